@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "saccade/core/camera.hpp"
+#include "saccade/core/frame.hpp"
+
+namespace saccade {
+
+enum class ReadStatus {
+  kFrame,  ///< the frame was filled
+  kSkip,   ///< this frame is unusable and was counted; its index, name and the reason are known, go on with the next
+  kEnd,    ///< no frame is left
+};
+
+/// What a source understood about its input; shown to the user before the first frame is processed.
+struct SourceDescription {
+  std::string kind;               ///< "7-Scenes folder", "TUM folder", "labelled frames", "simulated scene"
+  std::string location;           ///< path or URI as given
+  std::int64_t frames = 0;        ///< usable frames known in advance; -1 for live inputs
+  std::int64_t dropped = 0;       ///< colour images that found no depth partner, and the reverse
+  PinholeCamera camera;           ///< the colour camera C; every frame has this size
+  std::string intrinsics_origin;  ///< where the intrinsics come from, for people
+  double depth_units_per_metre = 0.0;
+  std::string depth_scale_origin;  ///< why this depth scale
+  bool has_depth = false;
+  bool depth_was_registered = true;  ///< false: depth is rendered into the colour camera by the source
+  bool has_poses = false;
+  bool has_labels = false;
+  std::vector<std::string> remarks;  ///< whatever else the user should know, one sentence each
+};
+
+/// A sequence of RGB-D frames, read in order. Not thread-safe; ReadAhead decodes on its own thread.
+///
+/// Opening a source that cannot work throws IoError; a single bad frame is kSkip.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  [[nodiscard]] virtual const SourceDescription& description() const = 0;
+  /// Reads the next frame into `frame`, reusing its buffers.
+  [[nodiscard]] virtual ReadStatus read(RgbdFrame& frame) = 0;
+  /// Why the last read() returned kSkip: one sentence with path, expected and found.
+  [[nodiscard]] virtual const std::string& skipReason() const = 0;
+};
+
+/// Frames selected by `--range A:B:STEP`: indices first, first + step, ... below `end`.
+struct FrameRange {
+  std::int64_t first = 0;
+  std::optional<std::int64_t> end;  ///< exclusive; none: to the end of the input
+  std::int64_t step = 1;
+
+  /// Parses "A:B:STEP" with any part left out ("100:", ":50", "::10"). Throws std::invalid_argument with the text.
+  [[nodiscard]] static FrameRange parse(const std::string& text);
+};
+
+/// Opens any supported input: a 7-Scenes, TUM or labelled-frames folder (the kind is detected), or `sim:SCENE`.
+/// Throws IoError that says what was looked for and what was found.
+[[nodiscard]] std::unique_ptr<FrameSource> openSource(const std::string& input, const FrameRange& range = {});
+
+}  // namespace saccade
