@@ -1,0 +1,26 @@
+#!/bin/sh
+# Builds Saccade and runs its tests; installs what a bare Debian 12 lacks.
+#   tests/run.sh          unit and system tests
+#   tests/run.sh --slow   also the long sequences, and everything again under address and undefined-behaviour sanitizers
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=${SACCADE_BUILD_DIR:-$root/build}
+slow=no
+for argument in "$@"; do
+  case $argument in
+    --slow) slow=yes ;;
+    *) echo "tests/run.sh: unknown option $argument (expected --slow)" >&2; exit 2 ;;
+  esac
+done
+
+"$root/apps/build.sh" "$build" -DCMAKE_BUILD_TYPE=Release -DSACCADE_BUILD_TESTS=ON -DSACCADE_WERROR=ON
+cd "$build"
+if [ $slow = no ]; then
+  exec ctest --output-on-failure --parallel "$(nproc)" --label-exclude slow
+fi
+
+"$root/apps/build.sh" "$build-sanitize" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSACCADE_BUILD_TESTS=ON \
+  -DSACCADE_SANITIZE=address,undefined
+(cd "$build-sanitize" && ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
+  ctest --output-on-failure --parallel "$(nproc)" --label-exclude slow)
+exec ctest --output-on-failure --parallel "$(nproc)"
