@@ -22,7 +22,8 @@ enum class ReadStatus {
 struct SourceDescription {
   std::string kind;               ///< "7-Scenes folder", "TUM folder", "labelled frames", "simulated scene"
   std::string location;           ///< path or URI as given
-  std::int64_t frames = 0;        ///< usable frames known in advance; -1 for live inputs
+  std::int64_t frames = 0;        ///< frames that `--range` selected, as far as known in advance; -1 for live inputs
+  std::int64_t total_frames = 0;  ///< frames of the whole input, before `--range`; -1 for live inputs
   std::int64_t dropped = 0;       ///< colour images that found no depth partner, and the reverse
   PinholeCamera camera;           ///< the colour camera C; every frame has this size
   std::string intrinsics_origin;  ///< where the intrinsics come from, for people
@@ -32,6 +33,7 @@ struct SourceDescription {
   bool depth_was_registered = true;  ///< false: depth is rendered into the colour camera by the source
   bool has_poses = false;
   bool has_labels = false;
+  std::optional<int> ignore_from;    ///< label ids from here on are neither objects nor background (`labels.yaml`)
   std::vector<std::string> remarks;  ///< whatever else the user should know, one sentence each
 };
 
@@ -60,7 +62,10 @@ struct FrameRange {
 };
 
 /// Opens any supported input: a 7-Scenes, TUM or labelled-frames folder (the kind is detected), or `sim:SCENE`.
-/// Throws IoError that says what was looked for and what was found.
-[[nodiscard]] std::unique_ptr<FrameSource> openSource(const std::string& input, const FrameRange& range = {});
+///
+/// `labels` names a folder of label images kept elsewhere (see LabelFolder); empty: the input's own, if it has any.
+/// Throws IoError that says what was looked for and what was found, also where none of the first frames can be used.
+[[nodiscard]] std::unique_ptr<FrameSource> openSource(const std::string& input, const FrameRange& range = {},
+                                                      const std::filesystem::path& labels = {});
 
 }  // namespace saccade

@@ -1,0 +1,62 @@
+#include "saccade/sources/undistortion.hpp"
+
+#include <stdexcept>
+#include <string>
+
+#include <opencv2/imgproc.hpp>
+
+namespace saccade {
+
+std::array<double, 2> LensDistortion::distort(double x, double y) const {
+  const double r2 = x * x + y * y;
+  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+}
+
+Undistortion::Undistortion(const PinholeCamera& camera, const LensDistortion& distortion)
+    : size_(camera.width, camera.height), identity_(distortion.isZero()) {
+  if (camera.width <= 0 || camera.height <= 0 || !(camera.fx > 0) || !(camera.fy > 0)) {
+    throw std::invalid_argument("Undistortion: expected a camera with a size and focal lengths, found " +
+                                std::to_string(camera.width) + " x " + std::to_string(camera.height));
+  }
+  if (identity_) return;
+  cv::Mat1f map_u(size_), map_v(size_);
+  for (int v = 0; v < size_.height; ++v) {
+    for (int u = 0; u < size_.width; ++u) {
+      const auto [x, y] = distortion.distort((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+      map_u(v, u) = static_cast<float>(camera.fx * x + camera.cx);
+      map_v(v, u) = static_cast<float>(camera.fy * y + camera.cy);
+    }
+  }
+  cv::Mat none;
+  cv::convertMaps(map_u, map_v, positions_, fractions_, CV_16SC2);
+  cv::convertMaps(map_u, map_v, nearest_, none, CV_16SC2, true);
+}
+
+void Undistortion::requireSize(const cv::Mat& image) const {
+  if (image.size() == size_) return;
+  throw std::invalid_argument("Undistortion: expected an image of " + std::to_string(size_.width) + " x " +
+                              std::to_string(size_.height) + ", found " + std::to_string(image.cols) + " x " +
+                              std::to_string(image.rows));
+}
+
+void Undistortion::undistort(const cv::Mat3b& distorted, cv::Mat3b& ideal) const {
+  requireSize(distorted);
+  if (identity_) {
+    distorted.copyTo(ideal);
+  } else {
+    cv::remap(distorted, ideal, positions_, fractions_, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+  }
+}
+
+void Undistortion::undistort(const cv::Mat1w& distorted_label, cv::Mat1w& ideal_label) const {
+  requireSize(distorted_label);
+  if (identity_) {
+    distorted_label.copyTo(ideal_label);
+  } else {
+    cv::remap(distorted_label, ideal_label, nearest_, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
+  }
+}
+
+}  // namespace saccade
