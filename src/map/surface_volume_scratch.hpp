@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "saccade/map/surface_volume.hpp"
+
+namespace saccade {
+
+/// What the algorithms of a SurfaceVolume recycle from call to call.
+struct SurfaceVolume::Scratch {
+  /// Bricks that touch the frustum of the last findVisible(), and their centres in that camera's frame.
+  std::vector<std::int32_t> visible;
+  std::vector<Eigen::Vector3f> centres;
+
+  /// integrate(): camera-frame offsets of a brick's samples from its first one, and the largest depth of each tile.
+  std::array<std::array<float, SurfaceBrick::kSamples>, 3> offsets;
+  std::vector<float> farthest;
+
+  /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, null where there is none. All
+  /// null between two calls.
+  std::vector<const SurfaceBrick*> directory;
+  std::vector<std::size_t> filled;
+  Eigen::Vector3i origin = Eigen::Vector3i::Zero();
+  Eigen::Vector3i extent = Eigen::Vector3i::Zero();
+  /// rayCast(): per tile of the image, the depths between which a surface can be met.
+  std::vector<float> nearest_hit;
+  std::vector<float> farthest_hit;
+};
+
+inline constexpr int kIntegrationTile = 16;  ///< pixels
+inline constexpr int kRayTile = 8;           ///< pixels
+
+/// Throws std::invalid_argument unless `pose` is finite and its translation fits the brick grid.
+inline void requireUsablePose(const Pose& pose, const char* name) {
+  constexpr double kFarthest_m = 1e5;
+  if (!pose.matrix().allFinite() || pose.translation().norm() > kFarthest_m) {
+    throw std::invalid_argument(std::string(name) + " must be finite and within 1e5 m, its translation is " +
+                                std::to_string(pose.translation().x()) + " " + std::to_string(pose.translation().y()) +
+                                " " + std::to_string(pose.translation().z()));
+  }
+}
+
+}  // namespace saccade

@@ -1,0 +1,211 @@
+#include "tracking/point_to_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "saccade/core/multiversion.hpp"
+
+namespace saccade {
+namespace {
+
+constexpr std::size_t kBlock = LivePoints::kBlock;
+constexpr std::size_t kLanes = 8;
+constexpr int kSums = 21 + 6 + 4;  // upper triangle of H, b, weight, weighted square, met, inliers
+
+struct Model {
+  const float* depth;
+  const float* normals;
+  int width;
+  float u_end, v_end;
+  float fx, fy, cx, cy;
+  float per_fx, per_fy;
+};
+
+struct Gates {
+  float distance;
+  float cosine;
+};
+
+// Rows of the linear system of one block.
+struct Rows {
+  alignas(32) float j[6][kBlock];
+  alignas(32) float residual[kBlock];
+  alignas(32) float weight[kBlock];
+  alignas(32) float met[kBlock];
+  alignas(32) float inlier[kBlock];
+};
+
+struct BlockPoints {
+  const float* p[3];
+  const float* n[3];
+  const float* weight;
+};
+
+SACCADE_MULTIVERSION
+void pairBlock(const BlockPoints& points, const float* T, const Model& model, const Gates& gates, Rows& rows) {
+  const float* px = points.p[0];
+  const float* py = points.p[1];
+  const float* pz = points.p[2];
+  const float* nx = points.n[0];
+  const float* ny = points.n[1];
+  const float* nz = points.n[2];
+  const float* weights = points.weight;
+  const float* depths = model.depth;
+  const float* normals = model.normals;
+  const int width = model.width;
+  const float fx = model.fx, fy = model.fy, cx = model.cx, cy = model.cy;
+  const float per_fx = model.per_fx, per_fy = model.per_fy, u_end = model.u_end, v_end = model.v_end;
+  const float gate = gates.distance, cosine = gates.cosine;
+  const float per_gate_square = 1.0F / (gate * gate);
+  const float r00 = T[0], r01 = T[1], r02 = T[2], tx = T[3];
+  const float r10 = T[4], r11 = T[5], r12 = T[6], ty = T[7];
+  const float r20 = T[8], r21 = T[9], r22 = T[10], tz = T[11];
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    const float x = r00 * px[i] + r01 * py[i] + r02 * pz[i] + tx;
+    const float y = r10 * px[i] + r11 * py[i] + r12 * pz[i] + ty;
+    const float z = r20 * px[i] + r21 * py[i] + r22 * pz[i] + tz;
+    const float per_z = 1.0F / z;
+    const float u = fx * x * per_z + cx + 0.5F;
+    const float v = fy * y * per_z + cy + 0.5F;
+    const bool inside = (z > 0.01F) & (u >= 0.0F) & (v >= 0.0F) & (u < u_end) & (v < v_end) & (weights[i] > 0.0F);
+    const int column = inside ? static_cast<int>(u) : 0;
+    const int row = inside ? static_cast<int>(v) : 0;
+    const int pixel = row * width + column;
+    const float depth = inside ? depths[pixel] : 0.0F;
+    const float mx = normals[3 * pixel];
+    const float my = normals[3 * pixel + 1];
+    const float mz = normals[3 * pixel + 2];
+    const float dx = (static_cast<float>(column) - cx) * per_fx * depth - x;
+    const float dy = (static_cast<float>(row) - cy) * per_fy * depth - y;
+    const float dz = depth - z;
+    const float residual = mx * dx + my * dy + mz * dz;
+    const float agreement = mx * (r00 * nx[i] + r01 * ny[i] + r02 * nz[i]) +
+                            my * (r10 * nx[i] + r11 * ny[i] + r12 * nz[i]) +
+                            mz * (r20 * nx[i] + r21 * ny[i] + r22 * nz[i]);
+    const float square = dx * dx + dy * dy + dz * dz;
+    const bool met = depth > 0.0F;
+    const bool paired = met & (square * per_gate_square < 1.0F) & (agreement > cosine);
+    const float left = std::max(0.0F, 1.0F - residual * residual * per_gate_square);
+    rows.j[0][i] = paired ? y * mz - z * my : 0.0F;
+    rows.j[1][i] = paired ? z * mx - x * mz : 0.0F;
+    rows.j[2][i] = paired ? x * my - y * mx : 0.0F;
+    rows.j[3][i] = paired ? mx : 0.0F;
+    rows.j[4][i] = paired ? my : 0.0F;
+    rows.j[5][i] = paired ? mz : 0.0F;
+    rows.residual[i] = paired ? residual : 0.0F;
+    rows.weight[i] = paired ? weights[i] * left * left : 0.0F;
+    rows.met[i] = met ? 1.0F : 0.0F;
+    rows.inlier[i] = paired ? 1.0F : 0.0F;
+  }
+}
+
+SACCADE_MULTIVERSION
+void sumBlock(const Rows& rows, float (*sums)[kLanes]) {
+  for (std::size_t first = 0; first < kBlock; first += kLanes) {
+    float weighted[6][kLanes];
+    float weighted_residual[kLanes];
+    for (std::size_t a = 0; a < 6; ++a) {
+      for (std::size_t l = 0; l < kLanes; ++l) weighted[a][l] = rows.j[a][first + l] * rows.weight[first + l];
+    }
+    for (std::size_t l = 0; l < kLanes; ++l) weighted_residual[l] = rows.residual[first + l] * rows.weight[first + l];
+    std::size_t k = 0;
+    for (std::size_t a = 0; a < 6; ++a) {
+      for (std::size_t b = a; b < 6; ++b, ++k) {
+        for (std::size_t l = 0; l < kLanes; ++l) sums[k][l] += weighted[a][l] * rows.j[b][first + l];
+      }
+    }
+    for (std::size_t a = 0; a < 6; ++a, ++k) {
+      for (std::size_t l = 0; l < kLanes; ++l) sums[k][l] += weighted[a][l] * rows.residual[first + l];
+    }
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      sums[k][l] += rows.weight[first + l];
+      sums[k + 1][l] += weighted_residual[l] * rows.residual[first + l];
+      sums[k + 2][l] += rows.met[first + l];
+      sums[k + 3][l] += rows.inlier[first + l];
+    }
+  }
+}
+
+}  // namespace
+
+void LivePoints::select(const DepthMaps& depth, int stride) {
+  const std::size_t most = static_cast<std::size_t>(depth.camera.width / stride + 1) *
+                               static_cast<std::size_t>(depth.camera.height / stride + 1) +
+                           kBlock;
+  for (auto& axis : position) axis.resize(most);
+  for (auto& axis : normal) axis.resize(most);
+  weight.resize(most);
+  count = 0;
+  double range = 0.0;
+  for (int v = stride / 2; v < depth.camera.height; v += stride) {
+    const cv::Vec3f* vertices = depth.vertices[v];
+    const cv::Vec3f* normals = depth.normals[v];
+    for (int u = stride / 2; u < depth.camera.width; u += stride) {
+      const cv::Vec3f& p = vertices[u];
+      const cv::Vec3f& n = normals[u];
+      if (n[2] == 0.0F && n[0] == 0.0F && n[1] == 0.0F) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        position[static_cast<std::size_t>(axis)][count] = p[axis];
+        normal[static_cast<std::size_t>(axis)][count] = n[axis];
+      }
+      // The sensor's error grows with the square of the depth, along the ray.
+      const float sigma = 0.3F + p[2] * p[2];
+      weight[count] = 1.0F / (sigma * sigma);
+      range += static_cast<double>(p[2]);
+      ++count;
+    }
+  }
+  mean_range_m = count > 0 ? range / static_cast<double>(count) : 1.0;
+  const std::size_t padded = (count + kBlock - 1) / kBlock * kBlock;
+  for (std::size_t i = count; i < padded; ++i) {
+    for (auto& axis : position) axis[i] = 1.0F;
+    for (auto& axis : normal) axis[i] = 0.0F;
+    weight[i] = 0.0F;
+  }
+}
+
+void linearize(const LivePoints& points, const ModelView& model, const Pose& T_MC, const PairingGates& gates,
+               NormalEquations& sums) {
+  const PinholeCamera& camera = model.camera;
+  const Model view{model.depth_m[0],
+                   model.normals[0][0].val,
+                   camera.width,
+                   static_cast<float>(camera.width),
+                   static_cast<float>(camera.height),
+                   static_cast<float>(camera.fx),
+                   static_cast<float>(camera.fy),
+                   static_cast<float>(camera.cx),
+                   static_cast<float>(camera.cy),
+                   static_cast<float>(1.0 / camera.fx),
+                   static_cast<float>(1.0 / camera.fy)};
+  const Gates limits{static_cast<float>(gates.distance_m), static_cast<float>(gates.normal_cosine)};
+  float T[12];
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) T[4 * row + column] = static_cast<float>(T_MC.matrix()(row, column));
+  }
+  std::array<double, kSums> total{};
+  Rows rows;
+  for (std::size_t first = 0; first < points.count; first += kBlock) {
+    const BlockPoints block{
+        {points.position[0].data() + first, points.position[1].data() + first, points.position[2].data() + first},
+        {points.normal[0].data() + first, points.normal[1].data() + first, points.normal[2].data() + first},
+        points.weight.data() + first};
+    alignas(32) float lanes[kSums][kLanes] = {};
+    pairBlock(block, T, view, limits, rows);
+    sumBlock(rows, lanes);
+    for (std::size_t k = 0; k < kSums; ++k) {
+      for (const float lane : lanes[k]) total[k] += static_cast<double>(lane);
+    }
+  }
+  std::size_t k = 0;
+  for (int a = 0; a < 6; ++a) {
+    for (int b = a; b < 6; ++b) sums.H(a, b) = sums.H(b, a) = total[k++];
+  }
+  for (int a = 0; a < 6; ++a) sums.b(a) = total[k++];
+  sums.weight = total[k];
+  sums.weighted_square = total[k + 1];
+  sums.met = total[k + 2];
+  sums.inliers = total[k + 3];
+}
+
+}  // namespace saccade
