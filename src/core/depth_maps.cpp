@@ -26,8 +26,9 @@ void limitRow(const float* raw, int width, float lowest, float highest, float* d
   }
 }
 
-// Bilateral mean of `centre[u + k * step]`, |k| <= radius. A pixel without measurement (0) is further from every
-// measured one than the tolerance and so has no weight, and as a centre it meets only zeros and stays 0.
+// Bilateral mean of `centre[u + k * step]`, |k| <= radius, over pairs (+k, -k), each weighted by how well it lies on a
+// line with the centre: a slanted plane, whose inverse depth is linear, is left as it is, at its borders too. A pair
+// with a pixel that is not measured (0) bends by more than the tolerance and has no weight.
 SACCADE_MULTIVERSION
 void smoothRow(const float* centre, std::ptrdiff_t step, int radius, int width, float tolerance, float* out) {
   constexpr int kBlock = 64;
@@ -45,12 +46,11 @@ void smoothRow(const float* centre, std::ptrdiff_t step, int radius, int width, 
       const float* a = c + k * step;
       const float* b = c - k * step;
       for (int i = 0; i < count; ++i) {
-        const float da = a[i] - c[i];
-        const float db = b[i] - c[i];
-        const float qa = std::max(0.0F, 1.0F - da * da * scale);
-        const float qb = std::max(0.0F, 1.0F - db * db * scale);
-        sum[i] += qa * qa * da + qb * qb * db;
-        weight[i] += qa * qa + qb * qb;
+        const float bend = a[i] + b[i] - 2.0F * c[i];
+        const float near = std::max(0.0F, 1.0F - bend * bend * scale);
+        const float share = near * near;
+        sum[i] += share * bend;
+        weight[i] += 2.0F * share;
       }
     }
     for (int i = 0; i < count; ++i) out[first + i] = c[i] + sum[i] / weight[i];
@@ -132,7 +132,7 @@ void DepthPreparationConfig::describe(ConfigVisitor& visitor) {
   visitor.number("min_range_m", min_range_m, {0.01, 100.0}, "m", "nearest depth that is used");
   visitor.number("max_range_m", max_range_m, {0.02, 100.0}, "m", "farthest depth that is used");
   visitor.number("smoothing_tolerance_per_m", smoothing_tolerance_per_m, {1e-6, 10.0}, "1/m",
-                 "difference of inverse depth at which smoothing stops");
+                 "bend of the inverse depth at which smoothing stops");
   visitor.integer("smoothing_radius_px", smoothing_radius_px, {0.0, kMargin}, "px",
                   "radius of the edge-preserving smoothing, 0 for none");
   visitor.number("normal_tolerance_per_m", normal_tolerance_per_m, {1e-6, 10.0}, "1/m",

@@ -26,7 +26,7 @@ struct DepthPreparationConfig {
   double max_range_m = 4.0;
   /// A structured-light or stereo camera errs by a constant amount in inverse depth, whatever the distance; so
   /// tolerances are inverse depths. 0.0028 1/m is one disparity step of a Kinect: 3 mm at 1 m, 25 mm at 3 m.
-  double smoothing_tolerance_per_m = 0.0085;
+  double smoothing_tolerance_per_m = 0.012;
   int smoothing_radius_px = 2;  ///< 0: vertices are the measured points
   double normal_tolerance_per_m = 0.012;
   int normal_radius_px = 4;
