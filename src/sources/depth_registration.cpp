@@ -15,6 +15,8 @@ constexpr int kNone = -1;     // the cell covers no pixel centre
 constexpr int kSeveral = -2;  // the cell is broken or may cover several: look closer
 // Barycentric weights may fall this far below 0, so that rounding opens no crack between two cells.
 constexpr float kEdgeTolerance = 1e-3f;
+constexpr float kLeastArea = 1e-6f;  // square pixels; what is smaller is seen edge-on or from behind
+constexpr float kNearest_m = 1e-3f;  // what lies nearer to the colour camera, or behind it, is not seen
 
 /// Motion and intrinsics that take rays of the depth camera to pixels of the colour camera.
 struct Projection {
@@ -23,21 +25,24 @@ struct Projection {
 };
 
 SACCADE_MULTIVERSION
-void projectRays(const Projection& p, const float* ray_x, const float* ray_y, const float* depth_m, int width, float* u,
-                 float* v, float* inverse_depth) {
+void projectRays(const Projection& p, const float* __restrict ray_x, const float* __restrict ray_y,
+                 const float* __restrict depth_m, int width, float* __restrict u, float* __restrict v,
+                 float* __restrict inverse_depth) {
   const float r00 = p.T_CD[0], r01 = p.T_CD[1], r02 = p.T_CD[2], tx = p.T_CD[3];
   const float r10 = p.T_CD[4], r11 = p.T_CD[5], r12 = p.T_CD[6], ty = p.T_CD[7];
   const float r20 = p.T_CD[8], r21 = p.T_CD[9], r22 = p.T_CD[10], tz = p.T_CD[11];
+  const float fx = p.fx, fy = p.fy, cx = p.cx, cy = p.cy;
   for (int i = 0; i < width; ++i) {
-    const float x = ray_x[i], y = ray_y[i], z = depth_m[i];
+    const float x = ray_x[i], y = ray_y[i];
+    const float z = depth_m[i] > 0.0f ? depth_m[i] : 0.0f;  // NaN becomes 0
     const float x_C = (r00 * x + r01 * y + r02) * z + tx;
     const float y_C = (r10 * x + r11 * y + r12) * z + ty;
     const float z_C = (r20 * x + r21 * y + r22) * z + tz;
-    const int seen = static_cast<int>(z > 0.0f) & static_cast<int>(z_C > 1e-3f);
-    const float inverse = 1.0f / (seen != 0 ? z_C : 1.0f);
-    u[i] = seen != 0 ? p.fx * x_C * inverse + p.cx : 0.0f;
-    v[i] = seen != 0 ? p.fy * y_C * inverse + p.cy : 0.0f;
-    inverse_depth[i] = seen != 0 ? inverse : 0.0f;
+    const float inverse = 1.0f / (z_C > kNearest_m ? z_C : kNearest_m);
+    const float seen = z_C > kNearest_m ? inverse : 0.0f;
+    u[i] = fx * x_C * inverse + cx;
+    v[i] = fy * y_C * inverse + cy;
+    inverse_depth[i] = z > 0.0f ? seen : 0.0f;
   }
 }
 
@@ -57,6 +62,14 @@ inline int ceilToInt(float x) {
   return truncated + static_cast<int>(static_cast<float>(truncated) < x);
 }
 
+inline float least(float a, float b) {
+  return b < a ? b : a;
+}
+
+inline float most(float a, float b) {
+  return b > a ? b : a;
+}
+
 inline float cross(float ax, float ay, float bx, float by) {
   return ax * by - ay * bx;
 }
@@ -65,52 +78,55 @@ inline float cross(float ax, float ay, float bx, float by) {
 /// Cell i has the corners i and i + 1 of both rows; its diagonal runs from upper right (A) to lower left (B), its two
 /// triangles have the third corner (C) upper left or lower right.
 SACCADE_MULTIVERSION
-void classifyCells(const Continuity& continuity, const ImageSize& size, const float* u0, const float* v0,
-                   const float* w0, const float* u1, const float* v1, const float* w1, int cells, int* cell_pixel,
-                   float* cell_value) {
+void classifyCells(const Continuity& continuity, const ImageSize& size, const float* __restrict u0,
+                   const float* __restrict v0, const float* __restrict w0, const float* __restrict u1,
+                   const float* __restrict v1, const float* __restrict w1, int cells, int* __restrict cell_pixel,
+                   float* __restrict cell_value) {
+  const float max_step = continuity.max_step, max_relative_step = continuity.max_relative_step;
+  const int width = size.width;
   const float max_u = static_cast<float>(size.width - 1), max_v = static_cast<float>(size.height - 1);
   for (int i = 0; i < cells; ++i) {
+    const float u00 = u0[i], u10 = u0[i + 1], u01 = u1[i], u11 = u1[i + 1];
+    const float v00 = v0[i], v10 = v0[i + 1], v01 = v1[i], v11 = v1[i + 1];
     const float w00 = w0[i], w10 = w0[i + 1], w01 = w1[i], w11 = w1[i + 1];
-    const float w_low = std::min(std::min(w00, w10), std::min(w01, w11));
-    const float w_high = std::max(std::max(w00, w10), std::max(w01, w11));
-    const int empty = static_cast<int>(w_high <= 0.0f);
-    const int broken = static_cast<int>(w_low <= 0.0f) |
-                       static_cast<int>(w_high - w_low > continuity.max_step + continuity.max_relative_step * w_high);
+    const float w_low = least(least(w00, w10), least(w01, w11));
+    const float w_high = most(most(w00, w10), most(w01, w11));
+    const float slack = max_step + max_relative_step * w_high - (w_high - w_low);  // below 0: a discontinuity
 
-    const float ua = u0[i + 1], va = v0[i + 1], ub = u1[i], vb = v1[i];
-    const float u_low = std::min(std::min(u0[i], ua), std::min(ub, u1[i + 1]));
-    const float u_high = std::max(std::max(u0[i], ua), std::max(ub, u1[i + 1]));
-    const float v_low = std::min(std::min(v0[i], va), std::min(vb, v1[i + 1]));
-    const float v_high = std::max(std::max(v0[i], va), std::max(vb, v1[i + 1]));
+    const float u_low = least(least(u00, u10), least(u01, u11));
+    const float u_high = most(most(u00, u10), most(u01, u11));
+    const float v_low = least(least(v00, v10), least(v01, v11));
+    const float v_high = most(most(v00, v10), most(v01, v11));
     // Clamped first: cells far outside must not overflow an int.
-    const int pu = ceilToInt(std::min(std::max(u_low - kEdgeTolerance, -1.0f), max_u + 2.0f));
-    const int pv = ceilToInt(std::min(std::max(v_low - kEdgeTolerance, -1.0f), max_v + 2.0f));
+    const int pu = ceilToInt(least(most(u_low - kEdgeTolerance, -1.0f), max_u + 2.0f));
+    const int pv = ceilToInt(least(most(v_low - kEdgeTolerance, -1.0f), max_v + 2.0f));
     const float u = static_cast<float>(pu), v = static_cast<float>(pv);
-    const int several = static_cast<int>(u + 1.0f <= u_high) | static_cast<int>(v + 1.0f <= v_high);
 
     // On which side of the diagonal is the pixel; the third corner is there too.
-    const float ex = ub - ua, ey = vb - va, px = u - ua, py = v - va;
+    const float ex = u01 - u10, ey = v01 - v10, px = u - u10, py = v - v10;
     const float side = cross(ex, ey, px, py);
-    const int upper = static_cast<int>(side >= 0.0f);
-    const float uc = upper != 0 ? u0[i] : u1[i + 1];
-    const float vc = upper != 0 ? v0[i] : v1[i + 1];
-    const float wc = upper != 0 ? w00 : w11;
-    const float cx = uc - ua, cy = vc - va;
+    const float uc = side >= 0.0f ? u00 : u11;
+    const float vc = side >= 0.0f ? v00 : v11;
+    const float wc = side >= 0.0f ? w00 : w11;
+    const float cx = uc - u10, cy = vc - v10;
     const float area = cross(ex, ey, cx, cy);
-    // Seen from the front the upper left corner lies at a positive area; seen from behind at a negative one.
-    const int front = static_cast<int>((upper != 0 ? area : -area) > 1e-6f);
-    const float scale = 1.0f / (front != 0 ? area : 1.0f);
+    // Seen from the front the upper left corner lies at a positive area, the lower right one at a negative area.
+    const float front = side >= 0.0f ? area : -area;
+    const float scale = 1.0f / (front > kLeastArea ? area : 1.0f);
     const float weight_c = side * scale;
     const float weight_b = cross(px, py, cx, cy) * scale;
     const float weight_a = 1.0f - weight_b - weight_c;
-    const int inside = front & static_cast<int>(weight_a >= -kEdgeTolerance) &
-                       static_cast<int>(weight_b >= -kEdgeTolerance) & static_cast<int>(weight_c >= -kEdgeTolerance) &
-                       static_cast<int>(u >= 0.0f) & static_cast<int>(u <= max_u) & static_cast<int>(v >= 0.0f) &
-                       static_cast<int>(v <= max_v);
-    const int single = inside != 0 ? pv * size.width + pu : kNone;
-    const int open = (broken | several) != 0 ? kSeveral : single;
-    cell_pixel[i] = empty != 0 ? kNone : open;
     cell_value[i] = weight_a * w10 + weight_b * w01 + weight_c * wc;
+
+    // Every condition as "this number is not negative", which keeps the loop free of branches.
+    const float covered = least(least(weight_a, weight_b), weight_c) + kEdgeTolerance;
+    const float in_image = least(least(u, max_u - u), least(v, max_v - v));
+    const float inside = least(least(covered, in_image), front - kLeastArea);
+    const float alone = least(u + 1.0f - u_high, v + 1.0f - v_high) - kEdgeTolerance;  // no other pixel in the cell
+    const int single = inside >= 0.0f ? pv * width + pu : kNone;
+    const int whole = least(alone, slack) >= 0.0f ? single : kSeveral;
+    const int measured = w_low > 0.0f ? whole : kSeveral;
+    cell_pixel[i] = w_high > 0.0f ? measured : kNone;
   }
 }
 
@@ -134,7 +150,7 @@ void drawTriangle(const Corner& a, const Corner& b, const Corner& c, const Conti
   const auto [low, high] = std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
   if (low <= 0.0f || high - low > continuity.max_step + continuity.max_relative_step * high) return;
   const float area = cross(b.u - a.u, b.v - a.v, c.u - a.u, c.v - a.v);
-  if (!(area > 1e-6f)) return;
+  if (!(area > kLeastArea)) return;
   const float width = static_cast<float>(inverse_depth.cols), height = static_cast<float>(inverse_depth.rows);
   const int first_u = ceilToInt(std::clamp(std::min({a.u, b.u, c.u}) - kEdgeTolerance, 0.0f, width));
   const int first_v = ceilToInt(std::clamp(std::min({a.v, b.v, c.v}) - kEdgeTolerance, 0.0f, height));

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "saccade/core/errors.hpp"
+#include "saccade/sources/stamped_poses.hpp"
 #include "sources/association.hpp"
 #include "sources/frame_list.hpp"
 #include "sources/text_numbers.hpp"
