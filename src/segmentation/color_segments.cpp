@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,10 +18,21 @@ namespace {
 
 constexpr int kChannels = 3;
 constexpr int kDirections = 4;
-constexpr float kStepsPerLevel = 32.0F;
 constexpr std::uint16_t kNoEdge = 0xFFFF;
-/// The largest distance, sqrt(3) * 255 grey levels, rounds to step 14134.
-constexpr int kSteps = 14336;
+
+// Weights are kept as steps: the highest bits of the squared distance as a float, which rise with the distance by 0.1 %
+// each. Where components are large, k / |C| is a hundredth of a grey level: equal steps of that size would be too many.
+constexpr int kStepShift = 23 - 9;
+constexpr int kStepOfLeast = (127 - 10) << 9;  // a squared distance of 2^-10, all below are step 0
+constexpr int kSteps = 28 << 9;                // 3 * 255^2 < 2^18
+
+/// The distance, in grey levels, of the middle of a step.
+float distanceOfStep(std::uint32_t step) {
+  return step == 0 ? 0.0F
+                   : std::sqrt(std::bit_cast<float>((step + static_cast<std::uint32_t>(kStepOfLeast)) << kStepShift |
+                                                    1U << (kStepShift - 1)));
+}
+
 constexpr int kMargin = 32;  // floats around a row, so that neighbours can be read beyond its ends
 
 std::size_t rowLength(int width) {
@@ -64,8 +76,8 @@ SACCADE_MULTIVERSION void weighRow(const float* here, const float* there, std::s
   const float *b1 = there + offset, *g1 = b1 + length, *r1 = g1 + length;
   for (int x = 0; x < columns; ++x) {
     const float b = b0[x] - b1[x], g = g0[x] - g1[x], r = r0[x] - r1[x];
-    const float distance = std::sqrt(b * b + g * g + r * r);
-    weights[x] = static_cast<std::uint16_t>(static_cast<int>(distance * kStepsPerLevel + 0.5F));
+    const int step = (std::bit_cast<int>(b * b + g * g + r * r) >> kStepShift) - kStepOfLeast;
+    weights[x] = static_cast<std::uint16_t>(step < 0 ? 0 : step);
   }
 }
 
@@ -103,7 +115,7 @@ const Segmentation& ColorSegmenter::segment(const cv::Mat3b& bgr) {
   resize(bgr.size());
   weighEdges(bgr);
   std::iota(parent_.begin(), parent_.end(), 0);
-  std::fill(roots_.begin(), roots_.end(), Root{static_cast<float>(config_.k) * kStepsPerLevel, 1});
+  std::fill(roots_.begin(), roots_.end(), Root{static_cast<float>(config_.k), 1});
   rejected_.clear();
 
   // Three batches by rising weight. By the time of the second most edges lie inside a component; they are dropped in
@@ -301,7 +313,7 @@ void ColorSegmenter::sortBatch() {
 
 void ColorSegmenter::mergeBatch() {
   const std::array<int, kDirections> offsets{1, size_.width, size_.width + 1, size_.width - 1};
-  const float k = static_cast<float>(config_.k) * kStepsPerLevel;
+  const float k = static_cast<float>(config_.k);
   for (std::size_t i = 0; i < batch_size_; ++i) {
     const auto [edge, step] = sorted_[i];
     const int pixel = static_cast<int>(edge / kDirections);
@@ -310,7 +322,7 @@ void ColorSegmenter::mergeBatch() {
     if (a == b) {
       continue;
     }
-    const float weight = static_cast<float>(step);
+    const float weight = distanceOfStep(step);
     if (weight <= roots_[static_cast<std::size_t>(a)].threshold &&
         weight <= roots_[static_cast<std::size_t>(b)].threshold) {
       Root& root = roots_[static_cast<std::size_t>(unite(a, b))];

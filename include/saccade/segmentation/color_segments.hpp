@@ -24,7 +24,7 @@ struct ColorSegmentsConfig {
 ///
 /// Pixels are joined to their 8 neighbours by edges weighted with the Euclidean distance of smoothed colours (0..255);
 /// edges are taken by rising weight, and two components merge if the edge is no heavier than Int(C) + k / |C| of both.
-/// Weights are sorted in steps of 1/32 of a grey level; edges within a step are taken in row order. Owns all scratch
+/// Weights are sorted in steps of 0.1 %; edges within a step are taken in row order. Owns all scratch
 /// memory; one object serves one thread, images of a new size reallocate.
 class ColorSegmenter {
  public:
@@ -46,7 +46,7 @@ class ColorSegmenter {
     std::uint32_t step;  ///< weight in steps
   };
   struct Root {
-    float threshold;  ///< Int(C) + k / |C|, in steps
+    float threshold;  ///< Int(C) + k / |C|, grey levels
     int area;         ///< px
   };
 

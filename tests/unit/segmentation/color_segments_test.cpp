@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace saccade {
@@ -150,7 +152,7 @@ TEST(ColorSegments, OfACheckerboardAreItsFieldsAndJoinAcrossCornersWhereEqual) {
 }
 
 TEST(ColorSegments, AreThoseOfTheTextbook) {
-  // Weights are rounded to 1/32 grey level, so that edges may change places with nearly equal ones.
+  // Weights are rounded to steps of 0.1 %, so that edges may change places with nearly equal ones.
   constexpr double kLeastAgreement = 0.98;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const cv::Mat3b image = drawnImage({160, 120}, static_cast<double>(seed), seed);
@@ -183,6 +185,23 @@ TEST(ColorSegments, AreExactlyThoseOfTheTextbookWhereRoundingCannotMatter) {
       EXPECT_EQ(cv::norm(segmenter.segment(image).labels, expected.labels, cv::NORM_INF), 0.0) << seed << " k " << k;
     }
   }
+}
+
+TEST(ColorSegments, OfAKitchenFrameAreThoseOfTheTextbook) {
+  constexpr double kLeastAgreement = 0.9;
+  const auto path = std::filesystem::path(SACCADE_TEST_DATA_DIR) / "kitchen" / "frame-000200.color.jpg";
+  if (!std::filesystem::exists(path)) {
+    GTEST_SKIP() << "missing " << path;
+  }
+  const cv::Mat3b image = cv::imread(path.string());
+  ColorSegmentsConfig config;
+  ColorSegmenter segmenter(config);
+  const Segmentation& found = segmenter.segment(image);
+  const Segmentation expected = segmentByTextbook(image, config);
+  const double agreement = adjustedRandIndex(found, expected);
+  RecordProperty("adjusted_rand_index", std::to_string(agreement));
+  EXPECT_GE(agreement, kLeastAgreement);
+  EXPECT_NEAR(found.count, expected.count, 0.05 * expected.count);
 }
 
 TEST(ColorSegments, AreConnectedAndNumberedInRowOrderAndNotTooSmall) {
