@@ -187,6 +187,17 @@ IorOcTreeNode* IorOcTree::findFinestLeaf(const octomap::OcTreeKey& key) {
   return node;
 }
 
+void IorOcTree::rememberAttention(const octomap::OcTreeKey& key, IorState ior) {
+  IorOcTreeNode* leaf = findFinestLeaf(key);
+  if (leaf == nullptr) return;
+  leaf->ior_ = ior;
+  IorOcTreeNode* node = root;
+  for (int level = static_cast<int>(tree_depth) - 1; level >= 0; --level) {
+    node->ior_ = laterInhibition(node->ior_, ior);
+    node = node->child(octomap::computeChildIdx(key, level));
+  }
+}
+
 IorOcTreeNode* IorOcTree::ensureRoot() {
   if (root == nullptr) {
     root = new IorOcTreeNode();

@@ -135,6 +135,10 @@ class IorOcTree : public octomap::OccupancyOcTreeBase<IorOcTreeNode> {
   /// The finest leaf at `key`, made by splitting a coarse one if need be; null where the map is unknown.
   [[nodiscard]] IorOcTreeNode* findFinestLeaf(const octomap::OcTreeKey& key);
 
+  /// Writes the memory of the known leaf at `key`, split to the finest depth, and what inner nodes above it hold.
+  /// An unknown key is left alone.
+  void rememberAttention(const octomap::OcTreeKey& key, IorState ior);
+
   /// Makes the root, as a leaf with log-odds 0, if there is none, and returns it.
   IorOcTreeNode* ensureRoot();
   /// Gives a childless node all of `child_mask` children at once, default constructed. For bulk updates.

@@ -26,7 +26,8 @@ struct LeafSurface {
   }
   void setNormal(const Eigen::Vector3f& n_W) {
     const auto quantised = [](float c) {
-      return static_cast<std::int8_t>(std::lround(std::clamp(c, -1.0f, 1.0f) * 127));
+      const float scaled = std::clamp(c, -1.0f, 1.0f) * 127.0f;
+      return static_cast<std::int8_t>(scaled + (scaled < 0.0f ? -0.5f : 0.5f));
     };
     nx = quantised(n_W.x());
     ny = quantised(n_W.y());

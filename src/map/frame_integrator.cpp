@@ -1,0 +1,381 @@
+#include "map/frame_integrator.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "saccade/core/multiversion.hpp"
+
+namespace saccade {
+namespace {
+
+constexpr int kFinest = MapTree::kDepth;
+/// Stands for log-odds of 0, with the sign of the update that led there; OctoMap reads 0 as occupied.
+constexpr float kNearlyZero = 1e-6f;
+/// Leaves in front of the camera within which a node has no useful bounds in the image.
+constexpr float kNoBound = 1e-2f;
+/// Observations beyond this no longer slow the running mean of colour and normal down.
+constexpr int kMeanMemory = 15;
+
+struct CameraConstants {
+  float fx, fy, cx, cy;
+  std::array<float, 9> R;        // R_CW by rows
+  std::array<float, 12> planes;  // four inward normals
+};
+
+SACCADE_MULTIVERSION void boundSiblings(const CameraConstants& c, const SiblingFrame& s, float px, float py, float pz,
+                                        SiblingBounds& out) {
+  for (std::size_t i = 0; i < 8; ++i) {
+    const float x = px + s.dx[i], y = py + s.dy[i], z = pz + s.dz[i];
+    const float z_near = z - s.z_reach;
+    const float inv = 1.0f / z, inv_near = 1.0f / z_near;
+    const float tx = x * inv, ty = y * inv;
+    // |p.x / p.z - tx| over the cube: the numerator p.x - tx p.z is linear, the denominator at least z_near.
+    const float reach_x =
+        std::fabs(c.R[0] - tx * c.R[6]) + std::fabs(c.R[1] - tx * c.R[7]) + std::fabs(c.R[2] - tx * c.R[8]);
+    const float reach_y =
+        std::fabs(c.R[3] - ty * c.R[6]) + std::fabs(c.R[4] - ty * c.R[7]) + std::fabs(c.R[5] - ty * c.R[8]);
+    out.z[i] = z;
+    out.z_near[i] = z_near;
+    out.u[i] = c.fx * tx + c.cx;
+    out.v[i] = c.fy * ty + c.cy;
+    out.du[i] = c.fx * s.half * reach_x * inv_near;
+    out.dv[i] = c.fy * s.half * reach_y * inv_near;
+    std::int32_t outside = z + s.z_reach <= 0.0f;
+    for (std::size_t k = 0; k < 4; ++k) {
+      outside |= c.planes[3 * k] * x + c.planes[3 * k + 1] * y + c.planes[3 * k + 2] * z < -s.plane_reach[k];
+    }
+    out.outside[i] = outside;
+  }
+}
+
+/// The hits of child i: those whose digit at this level is i; `hits` is sorted and starts at child i.
+std::size_t countOfChild(std::span<const EndpointLeaves::Hit> hits, unsigned i, int level) {
+  const auto digit = [level](const EndpointLeaves::Hit& h) {
+    return static_cast<unsigned>(h.code >> (3 * level)) & 7u;
+  };
+  if (hits.size() <= 16) {
+    std::size_t n = 0;
+    while (n < hits.size() && digit(hits[n]) == i) ++n;
+    return n;
+  }
+  const auto end = std::partition_point(hits.begin(), hits.end(), [&](const auto& h) { return digit(h) <= i; });
+  return static_cast<std::size_t>(end - hits.begin());
+}
+
+/// Whether a ray crosses the leaf with the lowest corner `low`, seen from the camera, before the ray's end.
+bool anyRayCrosses(std::span<const RayPyramid::Ray> rays, const float* low) {
+  for (const RayPyramid::Ray& ray : rays) {
+    float enter = 0.0f, leave = 1.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float a = low[axis] * ray.inverse[axis];
+      const float b = a + ray.inverse[axis];
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    if (enter < leave) return true;
+  }
+  return false;
+}
+
+std::uint8_t blend(std::uint8_t mean, std::uint32_t sum, std::uint32_t pixels, int memory) {
+  const int seen = static_cast<int>((sum + pixels / 2) / pixels);
+  const int difference = seen - mean;
+  const int rounding = difference >= 0 ? memory / 2 : -(memory / 2);
+  return static_cast<std::uint8_t>(mean + (difference + rounding) / memory);
+}
+
+}  // namespace
+
+IntegrationReport FrameIntegrator::integrate(IorOcTree& tree, const DepthMaps& depth, const cv::Mat3b& color,
+                                             const Pose& T_WC) {
+  tree_ = &tree;
+  maps_ = &depth;
+  has_color_ = !color.empty();
+  report_ = {};
+  prepare(depth, T_WC);
+  endpoints_.collect(depth_, depth.camera, T_WC.linear(), cube_, color);
+  rays_.build(endpoints_, depth_, depth.camera, R_CW_, cube_);
+  prepareSiblings(depth.camera);
+  report_.points = endpoints_.points();
+  report_.dropped_points = endpoints_.droppedPoints();
+  report_.hit_leaves = static_cast<int>(endpoints_.hits().size());
+  if (report_.points > 0) {
+    for (unsigned block = 0; block < 8; ++block) updateBlock(block);
+  }
+  return std::move(report_);
+}
+
+void FrameIntegrator::prepare(const DepthMaps& depth, const Pose& T_WC) {
+  const PinholeCamera& camera = depth.camera;
+  const auto scale = static_cast<float>(1.0 / config_.leaf_size_m);
+  depth_.assign(depth.depth_m, static_cast<float>(config_.min_range_m), static_cast<float>(config_.max_range_m), scale);
+
+  double widest = 0.0;  // longest ray per unit of depth
+  for (const double u : {-0.5, camera.width - 0.5}) {
+    for (const double v : {-0.5, camera.height - 0.5}) widest = std::max(widest, camera.unproject(u, v, 1.0).norm());
+  }
+  cube_ = FrameCube::around(T_WC.translation(), config_.max_range_m * widest, config_.leaf_size_m);
+  R_WC_ = T_WC.linear().cast<float>();
+  R_CW_ = R_WC_.transpose();
+  fx_ = static_cast<float>(camera.fx);
+  fy_ = static_cast<float>(camera.fy);
+  cx_ = static_cast<float>(camera.cx);
+  cy_ = static_cast<float>(camera.cy);
+  hit_ = tree_->getProbHitLog();
+  miss_ = tree_->getProbMissLog();
+  lowest_ = tree_->getClampingThresMinLog();
+  highest_ = tree_->getClampingThresMaxLog();
+  occupied_ = tree_->getOccupancyThresLog();
+}
+
+void FrameIntegrator::prepareSiblings(const PinholeCamera& camera) {
+  const float margin = static_cast<float>(rays_.margin()) + 0.5f;
+  const float left = cx_ + margin, right = static_cast<float>(camera.width - 1) + margin - cx_;
+  const float top = cy_ + margin, bottom = static_cast<float>(camera.height - 1) + margin - cy_;
+  planes_ = {fx_, 0, left, -fx_, 0, right, 0, fy_, top, 0, -fy_, bottom};
+
+  for (int d = 1; d <= kFinest; ++d) {
+    SiblingFrame& s = siblings_[static_cast<std::size_t>(d)];
+    s.half = 0.5f * static_cast<float>(1 << (kFinest - d));
+    s.z_reach = s.half * R_CW_.row(2).cwiseAbs().sum();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::RowVector3f normal(planes_[3 * k], planes_[3 * k + 1], planes_[3 * k + 2]);
+      s.plane_reach[k] = s.half * (normal * R_CW_).cwiseAbs().sum();
+    }
+    for (unsigned i = 0; i < 8; ++i) {
+      const Eigen::Vector3f offset =
+          R_CW_ * Eigen::Vector3f((i & 1) != 0 ? s.half : -s.half, (i & 2) != 0 ? s.half : -s.half,
+                                  (i & 4) != 0 ? s.half : -s.half);
+      s.dx[i] = offset.x();
+      s.dy[i] = offset.y();
+      s.dz[i] = offset.z();
+    }
+  }
+}
+
+void FrameIntegrator::updateBlock(unsigned block) {
+  const std::uint32_t edge = 1u << cube_.block_bits;
+  Place place{kFinest - cube_.block_bits, 0, 0, 0, 0, 0, 0};
+  place.x = (block & 1) != 0 ? edge : 0;
+  place.y = (block & 2) != 0 ? edge : 0;
+  place.z = (block & 4) != 0 ? edge : 0;
+  const std::int64_t key[3] = {cube_.base[0] + place.x, cube_.base[1] + place.y, cube_.base[2] + place.z};
+  if (std::any_of(key, key + 3, [](std::int64_t k) { return k < 0 || k > 65535; })) return;  // outside the key space
+
+  const Eigen::Vector3f centre(static_cast<float>(place.x), static_cast<float>(place.y), static_cast<float>(place.z));
+  const Eigen::Vector3f centre_C =
+      R_CW_ * (centre + Eigen::Vector3f::Constant(0.5f * static_cast<float>(edge)) - cube_.camera_leaves);
+  place.cx = centre_C.x();
+  place.cy = centre_C.y();
+  place.cz = centre_C.z();
+
+  const auto all = endpoints_.hits();
+  const int shift = 3 * cube_.block_bits;
+  const auto first =
+      std::partition_point(all.begin(), all.end(), [&](const auto& h) { return h.code >> shift < block; });
+  const auto last = std::partition_point(first, all.end(), [&](const auto& h) { return h.code >> shift <= block; });
+
+  const bool fresh = tree_->getRoot() == nullptr;
+  IorOcTreeNode* root = tree_->ensureRoot();
+  if (!fresh && root->isLeaf()) tree_->expandNode(root);
+  updateFromRoot(
+      root, 0,
+      {static_cast<std::uint32_t>(key[0]), static_cast<std::uint32_t>(key[1]), static_cast<std::uint32_t>(key[2])},
+      place, Hits(first, last));
+  if (fresh && root->isLeaf()) tree_->clear();  // nothing seen, nothing known
+}
+
+bool FrameIntegrator::updateFromRoot(IorOcTreeNode* node, int depth, const std::array<std::uint32_t, 3>& block_key,
+                                     const Place& place, Hits hits) {
+  if (depth == place.depth) return updateChildren(node, place, hits);
+  const int bit = kFinest - 1 - depth;
+  const unsigned i = (block_key[0] >> bit & 1u) | (block_key[1] >> bit & 1u) << 1 | (block_key[2] >> bit & 1u) << 2;
+  const bool fresh = (node->childMask() >> i & 1u) == 0;
+  IorOcTreeNode* child = fresh ? tree_->createNodeChild(node, i) : node->child(i);
+  if (!fresh && child->isLeaf()) tree_->expandNode(child);
+  const bool changed = updateFromRoot(child, depth + 1, block_key, place, hits);
+  if (fresh && child->isLeaf() && !changed) {
+    tree_->deleteNodeChild(node, i);
+  } else {
+    refresh(node);
+  }
+  return changed;
+}
+
+bool FrameIntegrator::updateChildren(IorOcTreeNode* node, const Place& place, Hits hits) {
+  const CameraConstants camera{fx_,
+                               fy_,
+                               cx_,
+                               cy_,
+                               {R_CW_(0, 0), R_CW_(0, 1), R_CW_(0, 2), R_CW_(1, 0), R_CW_(1, 1), R_CW_(1, 2),
+                                R_CW_(2, 0), R_CW_(2, 1), R_CW_(2, 2)},
+                               planes_};
+  const int depth = place.depth + 1;
+  SiblingBounds bounds;
+  boundSiblings(camera, siblings_[static_cast<std::size_t>(depth)], place.cx, place.cy, place.cz, bounds);
+  bool changed = false;
+  for (unsigned i = 0; i < 8; ++i) {
+    const std::size_t n = countOfChild(hits, i, kFinest - depth);
+    const Hits mine = hits.first(n);
+    hits = hits.subspan(n);
+    if (mine.empty() && bounds.outside[i] != 0) continue;
+    const Place child = childPlace(place, i);
+    changed |= depth == kFinest ? updateFinestChild(node, i, child, mine, bounds)
+                                : updateInnerChild(node, i, child, mine, bounds);
+  }
+  if (!node->isLeaf()) refresh(node);
+  return changed;
+}
+
+bool FrameIntegrator::updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits,
+                                       const SiblingBounds& bounds) {
+  const bool fresh = (node->childMask() >> i & 1u) == 0;
+  IorOcTreeNode* child = fresh ? nullptr : node->child(i);
+  if (hits.empty()) {
+    if (!fresh && child->isLeaf() && child->getLogOdds() <= lowest_) return false;  // cannot become more free
+    const Sight sight = sightOf(bounds, i);
+    if (sight == Sight::kHidden) return false;
+    if (sight == Sight::kFree) {
+      if (fresh) {
+        miss(tree_->createNodeChild(node, i), place);
+        return true;
+      }
+      return freeSubtree(child, place);
+    }
+  }
+  if (fresh) {
+    child = tree_->createNodeChild(node, i);
+  } else if (child->isLeaf()) {
+    tree_->expandNode(child);
+  }
+  const bool changed = updateChildren(child, place, hits);
+  if (fresh && !changed) tree_->deleteNodeChild(node, i);  // opened in vain
+  return changed;
+}
+
+bool FrameIntegrator::updateFinestChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits,
+                                        const SiblingBounds& bounds) {
+  const bool fresh = (node->childMask() >> i & 1u) == 0;
+  if (!hits.empty()) {
+    hit(fresh ? tree_->createNodeChild(node, i) : node->child(i), hits.front());
+    return true;
+  }
+  if (!fresh && node->child(i)->getLogOdds() <= lowest_) return false;
+  if (!isPassed(bounds, i, place)) return false;
+  miss(fresh ? tree_->createNodeChild(node, i) : node->child(i), place);
+  return true;
+}
+
+bool FrameIntegrator::freeSubtree(IorOcTreeNode* node, const Place& place) {
+  if (node->isLeaf()) {
+    if (node->getLogOdds() <= lowest_) return false;
+    miss(node, place);
+    return true;
+  }
+  bool changed = false;
+  for (unsigned i = 0; i < 8; ++i) {
+    const Place child = childPlace(place, i);
+    if ((node->childMask() >> i & 1u) == 0) {
+      miss(tree_->createNodeChild(node, i), child);
+      changed = true;
+    } else {
+      changed |= freeSubtree(node->child(i), child);
+    }
+  }
+  if (changed) refresh(node);
+  return changed;
+}
+
+void FrameIntegrator::refresh(IorOcTreeNode* node) {
+  if (!tree_->pruneNode(node)) node->updateOccupancyChildren();
+}
+
+FrameIntegrator::Sight FrameIntegrator::sightOf(const SiblingBounds& bounds, unsigned i) const {
+  if (bounds.z_near[i] <= kNoBound) return Sight::kMixed;
+  const RayPyramid::Box box = rays_.box(bounds.u[i], bounds.v[i], bounds.du[i], bounds.dv[i]);
+  if (box.empty()) return Sight::kHidden;
+  const RayPyramid::Range range = rays_.range(box);
+  if (range.highest <= bounds.z_near[i]) return Sight::kHidden;
+  const float z_far = 2.0f * bounds.z[i] - bounds.z_near[i];
+  return !box.clipped && range.lowest > z_far ? Sight::kFree : Sight::kMixed;
+}
+
+bool FrameIntegrator::isPassed(const SiblingBounds& bounds, unsigned i, const Place& leaf) const {
+  const float low[3] = {static_cast<float>(leaf.x) - cube_.camera_leaves.x(),
+                        static_cast<float>(leaf.y) - cube_.camera_leaves.y(),
+                        static_cast<float>(leaf.z) - cube_.camera_leaves.z()};
+  if (bounds.z_near[i] <= kNoBound) return anyRayCrosses(rays_.rays(), low);
+  const RayPyramid::Box box = rays_.box(bounds.u[i], bounds.v[i], bounds.du[i], bounds.dv[i]);
+  if (box.empty() || rays_.range(box).highest <= bounds.z_near[i]) return false;
+  for (int y = box.y0; y <= box.y1; ++y) {
+    if (anyRayCrosses(rays_.rays(y, box.x0, box.x1), low)) return true;
+  }
+  return false;
+}
+
+FrameIntegrator::Place FrameIntegrator::childPlace(const Place& place, unsigned i) const {
+  const int depth = place.depth + 1;
+  const std::uint32_t edge = 1u << (kFinest - depth);
+  const SiblingFrame& s = siblings_[static_cast<std::size_t>(depth)];
+  return {depth,
+          place.x + ((i & 1) != 0 ? edge : 0),
+          place.y + ((i & 2) != 0 ? edge : 0),
+          place.z + ((i & 4) != 0 ? edge : 0),
+          place.cx + s.dx[i],
+          place.cy + s.dy[i],
+          place.cz + s.dz[i]};
+}
+
+void FrameIntegrator::hit(IorOcTreeNode* leaf, const EndpointLeaves::Hit& endpoint) {
+  float log_odds = std::min(leaf->getLogOdds() + hit_, highest_);
+  if (log_odds == 0.0f) log_odds = kNearlyZero;
+  leaf->setLogOdds(log_odds);
+  if (log_odds < occupied_) return;  // free leaves hold no payload
+  const EndpointLeaves::Seen& seen = endpoints_.seen(endpoint);
+  LeafSurface surface = leaf->surface();
+  const int memory = std::min<int>(surface.observations, kMeanMemory) + 1;
+  if (has_color_) {
+    surface.blue = blend(surface.blue, seen.blue, seen.pixels, memory);
+    surface.green = blend(surface.green, seen.green, seen.pixels, memory);
+    surface.red = blend(surface.red, seen.red, seen.pixels, memory);
+  }
+  if (!maps_->normals.empty()) {
+    const auto width = static_cast<std::uint32_t>(depth_.width());
+    const cv::Vec3f& n =
+        maps_->normals(static_cast<int>(seen.first_pixel / width), static_cast<int>(seen.first_pixel % width));
+    if (n[0] != 0.0f || n[1] != 0.0f || n[2] != 0.0f) {
+      const Eigen::Vector3f n_W = R_WC_ * Eigen::Vector3f(n[0], n[1], n[2]);
+      const Eigen::Vector3f mean(surface.nx, surface.ny, surface.nz);
+      surface.setNormal((mean * (static_cast<float>(memory - 1) / 127.0f) + n_W).normalized());
+    }
+  }
+  if (surface.observations < 0xFFFF) ++surface.observations;
+  leaf->setSurface(surface);
+}
+
+void FrameIntegrator::miss(IorOcTreeNode* leaf, const Place& place) {
+  float log_odds = std::max(leaf->getLogOdds() + miss_, lowest_);
+  if (log_odds == 0.0f) log_odds = -kNearlyZero;
+  leaf->setLogOdds(log_odds);
+  if (log_odds >= occupied_) return;
+  if (weight(leaf->ior(), tree_->now()) > 0) reportForgotten(place);  // a leaf that turns free is forgotten
+  leaf->setIor({});
+  leaf->setSurface({});
+}
+
+void FrameIntegrator::reportForgotten(const Place& place) {
+  const std::uint32_t edge = 1u << (kFinest - place.depth);
+  for (std::uint32_t x = 0; x < edge; ++x) {
+    for (std::uint32_t y = 0; y < edge; ++y) {
+      for (std::uint32_t z = 0; z < edge; ++z) {
+        report_.forgotten.push_back({static_cast<std::uint16_t>(cube_.base[0] + place.x + x),
+                                     static_cast<std::uint16_t>(cube_.base[1] + place.y + y),
+                                     static_cast<std::uint16_t>(cube_.base[2] + place.z + z)});
+      }
+    }
+  }
+}
+
+}  // namespace saccade
