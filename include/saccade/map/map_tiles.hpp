@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "saccade/map/ior_map.hpp"
+#include "saccade/map/leaf_key.hpp"
+
+/// The map as byte strings, one per tile: subtrees at a fixed depth. Compression, checksums and files are the
+/// session's.
+namespace saccade {
+
+/// Depth of the tiles' roots unless said otherwise: 64 leaves along each edge, 0.64 m at 1 cm.
+inline constexpr int kTileDepth = 10;
+
+/// One tile as it is kept in a session.
+struct MapTile {
+  NodeKey root;
+  std::vector<std::byte> data;
+};
+
+/// Roots of the tiles that together hold the whole map, in Morton order: the nodes at `depth`, and the coarse leaves
+/// above it. Throws std::invalid_argument unless 0 <= depth <= 16.
+[[nodiscard]] std::vector<NodeKey> listTiles(const IorMap& map, int depth = kTileDepth);
+
+/// The subtree at `root` as bytes: 3 a family, 4 a leaf, 12 more where the leaf remembers anything. Equal subtrees give
+/// equal bytes. Throws std::invalid_argument where the map has no such node.
+[[nodiscard]] std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root);
+
+/// All tiles of the map.
+[[nodiscard]] std::vector<MapTile> encodeTiles(const IorMap& map, int depth = kTileDepth);
+
+/// A map with the given tiles and tick, equal to the one they were made from if the config is the same.
+///
+/// Every byte is checked before it is used. Throws IoError naming `source` for tiles that are damaged, foreign, overlap
+/// or lie outside the key space.
+[[nodiscard]] IorMap restoreMap(const IorMapConfig& config, std::span<const MapTile> tiles, Tick now,
+                                const std::filesystem::path& source);
+
+}  // namespace saccade

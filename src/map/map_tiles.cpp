@@ -1,0 +1,237 @@
+#include "saccade/map/map_tiles.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "saccade/core/errors.hpp"
+#include "saccade/map/ior_octree.hpp"
+
+// A tile is: version (1 byte), kind of its root (1 byte), then the root. An inner node is three masks: which children
+// exist, which of them are inner nodes, which of the leaves carry a payload; then the children in order. A leaf is its
+// log-odds (float), then, with a payload, IOR (4 bytes) and surface (8 bytes). Little-endian.
+
+namespace saccade {
+
+static_assert(std::endian::native == std::endian::little, "tiles are written as values lie in memory");
+
+namespace {
+
+constexpr std::uint8_t kVersion = 1;
+enum Kind : std::uint8_t { kPlainLeaf = 0, kLeafWithPayload = 1, kInner = 2 };
+
+unsigned childIndex(const LeafKey& key, int depth) {
+  const int bit = MapTree::kDepth - 1 - depth;
+  return (key.x >> bit & 1u) | (key.y >> bit & 1u) << 1 | (key.z >> bit & 1u) << 2;
+}
+
+NodeKey childKey(const NodeKey& key, unsigned i) {
+  const int bit = MapTree::kDepth - 1 - key.depth;
+  return {{static_cast<std::uint16_t>(key.corner.x | (i & 1u) << bit),
+           static_cast<std::uint16_t>(key.corner.y | (i >> 1 & 1u) << bit),
+           static_cast<std::uint16_t>(key.corner.z | (i >> 2) << bit)},
+          key.depth + 1};
+}
+
+std::string nameOf(const NodeKey& key) {
+  return "tile " + std::to_string(key.corner.x) + " " + std::to_string(key.corner.y) + " " +
+         std::to_string(key.corner.z) + " at depth " + std::to_string(key.depth);
+}
+
+bool hasPayload(MapNode leaf) {
+  return leaf.ior() != IorState{} || leaf.surface() != LeafSurface{};
+}
+
+class TileWriter {
+ public:
+  explicit TileWriter(std::vector<std::byte>& out) : out_(out) {}
+
+  void writeRoot(MapNode root) {
+    put(kVersion);
+    const Kind kind = !root.isLeaf() ? kInner : hasPayload(root) ? kLeafWithPayload : kPlainLeaf;
+    put(kind);
+    kind == kInner ? writeInner(root) : writeLeaf(root, kind == kLeafWithPayload);
+  }
+
+ private:
+  template <typename T>
+  void put(const T& value) {
+    const std::size_t end = out_.size();
+    out_.resize(end + sizeof(T));
+    std::memcpy(out_.data() + end, &value, sizeof(T));
+  }
+  void writeLeaf(MapNode leaf, bool payload) {
+    put(leaf.logOdds());
+    if (!payload) return;
+    put(leaf.ior().bits());
+    put(leaf.surface());
+  }
+  void writeInner(MapNode node) {
+    std::uint8_t inner = 0, payload = 0;
+    const auto exists = static_cast<std::uint8_t>(node.childMask());
+    for (unsigned i = 0; i < 8; ++i) {
+      if ((exists >> i & 1u) == 0) continue;
+      const MapNode child = node.child(i);
+      if (!child.isLeaf()) {
+        inner = static_cast<std::uint8_t>(inner | 1u << i);
+      } else if (hasPayload(child)) {
+        payload = static_cast<std::uint8_t>(payload | 1u << i);
+      }
+    }
+    put(exists);
+    put(inner);
+    put(payload);
+    for (unsigned i = 0; i < 8; ++i) {
+      if ((exists >> i & 1u) == 0) continue;
+      (inner >> i & 1u) != 0 ? writeInner(node.child(i)) : writeLeaf(node.child(i), (payload >> i & 1u) != 0);
+    }
+  }
+
+  std::vector<std::byte>& out_;
+};
+
+/// Reads one tile; with a null tree it only checks.
+class TileReader {
+ public:
+  TileReader(const MapTile& tile, const std::filesystem::path& source) : tile_(tile), source_(source) {}
+
+  void read(IorOcTree* tree, IorOcTreeNode* node) {
+    position_ = 0;
+    const auto version = take<std::uint8_t>();
+    if (version != kVersion) fail("version " + std::to_string(kVersion), "version " + std::to_string(version));
+    const auto kind = take<std::uint8_t>();
+    if (kind > kInner) fail("a kind of root from 0 to 2", std::to_string(kind));
+    kind == kInner ? readInner(tree, node, tile_.root.depth) : readLeaf(node, kind == kLeafWithPayload);
+    if (position_ != tile_.data.size()) {
+      fail("the end after " + std::to_string(position_) + " bytes", std::to_string(tile_.data.size()) + " bytes");
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
+    throw IoError(source_, expected + " in map " + nameOf(tile_.root), found);
+  }
+  template <typename T>
+  T take() {
+    if (tile_.data.size() - position_ < sizeof(T)) {
+      fail("more than " + std::to_string(position_) + " bytes", "the end");
+    }
+    T value;
+    std::memcpy(&value, tile_.data.data() + position_, sizeof(T));
+    position_ += sizeof(T);
+    return value;
+  }
+  void readLeaf(IorOcTreeNode* leaf, bool payload) {
+    const auto log_odds = take<float>();
+    if (!std::isfinite(log_odds) || log_odds == 0.0f) fail("log-odds of a known leaf", std::to_string(log_odds));
+    const IorState ior = payload ? IorState::fromBits(take<std::uint32_t>()) : IorState{};
+    const LeafSurface surface = payload ? take<LeafSurface>() : LeafSurface{};
+    if (leaf == nullptr) return;
+    leaf->setLogOdds(log_odds);
+    leaf->setIor(ior);
+    leaf->setSurface(surface);
+  }
+  void readInner(IorOcTree* tree, IorOcTreeNode* node, int depth) {
+    if (depth >= MapTree::kDepth) fail("a leaf at the finest depth", "an inner node");
+    const auto exists = take<std::uint8_t>(), inner = take<std::uint8_t>(), payload = take<std::uint8_t>();
+    const bool sound = exists != 0 && (inner & ~exists) == 0 && (payload & ~(exists & ~inner)) == 0;
+    if (!sound) {
+      fail("masks of children, inner nodes and payloads that agree",
+           std::to_string(exists) + ", " + std::to_string(inner) + ", " + std::to_string(payload));
+    }
+    if (tree != nullptr) tree->createFamily(node, exists);
+    for (unsigned i = 0; i < 8; ++i) {
+      if ((exists >> i & 1u) == 0) continue;
+      IorOcTreeNode* child = node == nullptr ? nullptr : node->child(i);
+      (inner >> i & 1u) != 0 ? readInner(tree, child, depth + 1) : readLeaf(child, (payload >> i & 1u) != 0);
+    }
+  }
+
+  const MapTile& tile_;
+  const std::filesystem::path& source_;
+  std::size_t position_ = 0;
+};
+
+void collectTiles(MapNode node, const NodeKey& key, int depth, std::vector<NodeKey>& tiles) {
+  if (node.isLeaf() || key.depth == depth) {
+    tiles.push_back(key);
+    return;
+  }
+  for (unsigned i = 0; i < 8; ++i) {
+    if ((node.childMask() >> i & 1u) != 0) collectTiles(node.child(i), childKey(key, i), depth, tiles);
+  }
+}
+
+bool isSound(const NodeKey& key) {
+  if (key.depth < 0 || key.depth > MapTree::kDepth) return false;
+  const unsigned low_bits = (1u << (MapTree::kDepth - key.depth)) - 1u;
+  return ((key.corner.x | key.corner.y | key.corner.z) & low_bits) == 0;
+}
+
+/// The still empty node for a tile, with the path to it; null where another tile already is.
+IorOcTreeNode* makePlace(IorOcTree& tree, const NodeKey& key) {
+  const bool empty = tree.getRoot() == nullptr;
+  IorOcTreeNode* node = tree.ensureRoot();
+  if (key.depth == 0) return empty ? node : nullptr;
+  for (int depth = 0; depth < key.depth; ++depth) {
+    const unsigned i = childIndex(key.corner, depth);
+    const bool exists = (node->childMask() >> i & 1u) != 0;
+    if (exists && (depth + 1 == key.depth || node->child(i)->isLeaf())) return nullptr;
+    if (!exists && depth == 0 && node->isLeaf() && !empty) return nullptr;  // the root itself is a tile
+    node = exists ? node->child(i) : tree.createNodeChild(node, i);
+  }
+  return node;
+}
+
+}  // namespace
+
+std::vector<NodeKey> listTiles(const IorMap& map, int depth) {
+  if (depth < 0 || depth > MapTree::kDepth) {
+    throw std::invalid_argument("tiles at depth " + std::to_string(depth) + ", possible are 0 to 16");
+  }
+  std::vector<NodeKey> tiles;
+  if (map.view().root) collectTiles(map.view().root, {}, depth, tiles);
+  return tiles;
+}
+
+std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root) {
+  MapNode node = map.view().root;
+  bool found = isSound(root) && static_cast<bool>(node);
+  for (int depth = 0; found && depth < root.depth; ++depth) {
+    const unsigned i = childIndex(root.corner, depth);
+    found = !node.isLeaf() && (node.childMask() >> i & 1u) != 0;
+    if (found) node = node.child(i);
+  }
+  if (!found) throw std::invalid_argument("the map holds no " + nameOf(root));
+  std::vector<std::byte> data;
+  TileWriter(data).writeRoot(node);
+  return data;
+}
+
+std::vector<MapTile> encodeTiles(const IorMap& map, int depth) {
+  std::vector<MapTile> tiles;
+  for (const NodeKey& root : listTiles(map, depth)) tiles.push_back({root, encodeTile(map, root)});
+  return tiles;
+}
+
+IorMap restoreMap(const IorMapConfig& config, std::span<const MapTile> tiles, Tick now,
+                  const std::filesystem::path& source) {
+  IorMap map(config);
+  map.setNow(now);
+  IorOcTree& tree = map.tree();
+  for (const MapTile& tile : tiles) {
+    if (!isSound(tile.root)) throw IoError(source, "a tile's place in the octree", nameOf(tile.root));
+    TileReader reader(tile, source);
+    reader.read(nullptr, nullptr);
+    IorOcTreeNode* node = makePlace(tree, tile.root);
+    if (node == nullptr) throw IoError(source, "tiles that do not overlap", nameOf(tile.root) + " over another");
+    reader.read(&tree, node);
+  }
+  tree.updateInnerNodes();
+  return map;
+}
+
+}  // namespace saccade
