@@ -27,13 +27,6 @@ class OctreeWalk {
 
     [[nodiscard]] PixelRect rect(unsigned i) const { return {first_u[i], first_v[i], last_u[i], last_v[i]}; }
   };
-  /// Entry and exit planes of a leaf, one of each per axis.
-  struct Slabs {
-    std::array<float, 3> entry, exit;  ///< 1 / distance
-    std::array<bool, 3> around{};      ///< the camera lies between the two: no entry, and the exit is the farther in z
-    bool any_around = false;
-  };
-
   void prepareOctants(int depth);
   void visit(MapNode node, const Corner& corner, int depth, bool coarse);
   [[nodiscard]] unsigned occupiedChildren(MapNode node) const;
@@ -41,10 +34,15 @@ class OctreeWalk {
   [[nodiscard]] static unsigned frontToBack(unsigned octants, unsigned nearest);
   [[nodiscard]] Footprints footprints(const std::array<float, 3>& centre, int child_depth) const;
   [[nodiscard]] bool inPyramid(float x, float y, float z, float radius) const;
-  [[nodiscard]] bool findSlabs(const Corner& corner, Slabs& slabs) const;
+  [[nodiscard]] static Corner childCorner(const Corner& corner, unsigned octant, int half) {
+    return {corner[0] + ((octant & 1u) != 0 ? half : 0), corner[1] + ((octant & 2u) != 0 ? half : 0),
+            corner[2] + ((octant & 4u) != 0 ? half : 0)};
+  }
   void draw(MapNode node, const Corner& corner, const PixelRect& rect);
+  [[nodiscard]] bool drawWindow(const Corner& corner, std::int32_t leaf, int u, int v, std::uint64_t open);
   template <bool kAround>
-  [[nodiscard]] bool drawWindow(const Slabs& slabs, int u, int v, std::uint64_t open);
+  [[nodiscard]] std::uint64_t intersect(const std::array<float, 3>& entry_plane, const std::array<float, 3>& exit_plane,
+                                        unsigned around, std::int32_t leaf, int u, int v, std::uint64_t open);
 
   const MapTree& map_;
   const RayGrid& rays_;
@@ -83,18 +81,19 @@ inline void OctreeWalk::visit(MapNode node, const Corner& corner, int depth, boo
   const unsigned chosen = seen.visible & (coarse ? 0xFFu : occupiedChildren(node));
   if (depth + 2 <= MapTree::kDepth && !coarse) prefetchFamilies(node, chosen);
   // In the order nearest ^ 0, nearest ^ 1, ... an octant comes after all that can hide it.
-  for (unsigned open = frontToBack(chosen, nearest); open != 0; open &= open - 1) {
-    const unsigned octant = nearest ^ static_cast<unsigned>(std::countr_zero(open));
-    const PixelRect rect = seen.rect(octant);
-    const MapNode child = coarse ? node : node.child(octant);
-    const Corner child_corner = {corner[0] + ((octant & 1u) != 0 ? half : 0),
-                                 corner[1] + ((octant & 2u) != 0 ? half : 0),
-                                 corner[2] + ((octant & 4u) != 0 ? half : 0)};
-    if (half == 1) {
-      draw(child, child_corner, rect);
-    } else if (canvas_.isOpen(rect)) {
-      visit(child, child_corner, depth + 1, coarse || child.isLeaf());
+  unsigned places = frontToBack(chosen, nearest);
+  if (half == 1) {
+    for (; places != 0; places &= places - 1) {
+      const unsigned octant = nearest ^ static_cast<unsigned>(std::countr_zero(places));
+      draw(coarse ? node : node.child(octant), childCorner(corner, octant, 1), seen.rect(octant));
     }
+    return;
+  }
+  for (; places != 0; places &= places - 1) {
+    const unsigned octant = nearest ^ static_cast<unsigned>(std::countr_zero(places));
+    if (!canvas_.isOpen(seen.rect(octant))) continue;
+    const MapNode child = coarse ? node : node.child(octant);
+    visit(child, childCorner(corner, octant, half), depth + 1, coarse || child.isLeaf());
   }
 }
 
@@ -202,34 +201,15 @@ inline bool OctreeWalk::inPyramid(float x, float y, float z, float radius) const
   return true;
 }
 
-/// Looks up the planes of a finest leaf; false if they are beyond the table, where no ray in range comes.
-inline bool OctreeWalk::findSlabs(const Corner& corner, Slabs& slabs) const {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::vector<float>& table = rays_.inverse_distance[axis];
-    const int position = corner[axis] - rays_.first_plane[axis];
-    if (position < 0 || position + 1 >= static_cast<int>(table.size())) return false;
-    const float low = table[static_cast<std::size_t>(position)];
-    const float high = table[static_cast<std::size_t>(position) + 1];
-    const bool behind = high < 0.0f;  // in the axis' direction: the ray comes from above
-    slabs.entry[axis] = behind ? high : low;
-    slabs.exit[axis] = behind ? low : high;
-    slabs.around[axis] = !behind && low < 0.0f;
-    slabs.any_around |= slabs.around[axis];
-  }
-  return true;
-}
-
-/// Gives the open pixels of `rect` whose rays meet the leaf to it.
-inline void OctreeWalk::draw(MapNode node, const Corner& corner, const PixelRect& rect) {
-  Slabs slabs;
-  bool have_slabs = false, any = false;
+/// Gives the open pixels of `rect` whose rays meet the leaf to it. Most leaves that come here have none: they are
+/// hidden by those before them.
+__attribute__((always_inline)) inline void OctreeWalk::draw(MapNode node, const Corner& corner, const PixelRect& rect) {
+  const auto leaf = static_cast<std::int32_t>(leaves_.size());
+  bool any = false;
   for (int v = rect.first_v; v <= rect.last_v; v += 8) {
     for (int u = rect.first_u; u <= rect.last_u; u += 8) {
       const std::uint64_t open = canvas_.openInWindow(u, v) & PixelCanvas::windowBits(rect, u, v);
-      if (open == 0) continue;
-      if (!have_slabs && !findSlabs(corner, slabs)) return;
-      have_slabs = true;
-      any |= slabs.any_around ? drawWindow<true>(slabs, u, v, open) : drawWindow<false>(slabs, u, v, open);
+      if (open != 0) any |= drawWindow(corner, leaf, u, v, open);
     }
   }
   if (!any) return;
@@ -238,38 +218,63 @@ inline void OctreeWalk::draw(MapNode node, const Corner& corner, const PixelRect
   leaves_.push_back({key, node.ior(), node.surface()});
 }
 
+/// Gives the `open` pixels of a window whose rays meet the leaf at `corner` to it; returns whether there are any.
+inline bool OctreeWalk::drawWindow(const Corner& corner, std::int32_t leaf, int u, int v, std::uint64_t open) {
+  std::array<float, 3> entry, exit;
+  unsigned around = 0;  // axes along which the camera lies between the leaf's planes: no entry, either may be the exit
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<float>& table = rays_.inverse_distance[axis];
+    const auto position = static_cast<std::size_t>(corner[axis] - rays_.first_plane[axis]);
+    if (position + 1 >= table.size()) return false;  // out of the reach of all rays
+    const float low = table[position], high = table[position + 1];
+    const bool beyond = high < 0.0f;  // the camera, as seen along the axis
+    entry[axis] = beyond ? high : low;
+    exit[axis] = beyond ? low : high;
+    around |= static_cast<unsigned>(!beyond && low < 0.0f) << axis;
+  }
+  const std::uint64_t met = around == 0 ? intersect<false>(entry, exit, 0, leaf, u, v, open)
+                                        : intersect<true>(entry, exit, around, leaf, u, v, open);
+  canvas_.closeInWindow(u, v, met);
+  return met != 0;
+}
+
 /// The exact test, row by row, of the `open` pixels of a window: a ray is in the leaf where it has passed the three
 /// entry planes and none of the exit planes, so it meets it if the least inverse depth of an entry is above the largest
-/// of an exit. Touching an edge is not meeting. Returns whether any ray does.
+/// of an exit. Touching an edge is not meeting. Writes the pixels that meet it and returns them.
 template <bool kAround>
-inline bool OctreeWalk::drawWindow(const Slabs& slabs, int u, int v, std::uint64_t open) {
+inline std::uint64_t OctreeWalk::intersect(const std::array<float, 3>& entry_plane,
+                                           const std::array<float, 3>& exit_plane, unsigned around, std::int32_t leaf,
+                                           int u, int v, std::uint64_t open) {
   std::array<Lanes, 3> column, entry, exit;
+  std::array<const float*, 3> row;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     column[axis] = Lanes::load(&rays_.column[axis][static_cast<std::size_t>(u)]);
-    entry[axis] = Lanes::all(slabs.entry[axis]);
-    exit[axis] = Lanes::all(slabs.exit[axis]);
+    row[axis] = &rays_.row[axis][static_cast<std::size_t>(v)];
+    entry[axis] = Lanes::all(entry_plane[axis]);
+    exit[axis] = Lanes::all(exit_plane[axis]);
   }
   const Lanes inverse_near = Lanes::all(rays_.inverse_near);
   const Lanes inverse_far = Lanes::all(rays_.inverse_far);
-  const auto index = static_cast<std::int32_t>(leaves_.size());
-  std::uint64_t hits = 0;
   const int first_row = std::countr_zero(open) >> 3, last_row = 7 - (std::countl_zero(open) >> 3);
-  for (int y = first_row; y <= last_row; ++y) {
+  const std::ptrdiff_t stride = canvas_.stride();
+  float* depth_row = canvas_.inverseDepth(u, v + first_row);
+  std::int32_t* leaf_row = canvas_.leaf(u, v + first_row);
+  std::uint64_t all_met = 0;
+  for (int y = first_row; y <= last_row; ++y, depth_row += stride, leaf_row += stride) {
     Lanes in = inverse_near, out = inverse_far;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Lanes direction = column[axis] + Lanes::all(rays_.row[axis][static_cast<std::size_t>(v + y)]);
+      const Lanes direction = column[axis] + Lanes::all(row[axis][y]);
       const Lanes enters = direction * entry[axis], leaves = direction * exit[axis];
-      if (kAround && slabs.around[axis]) {
+      if (kAround && (around >> axis & 1u) != 0) {
         out = max(out, max(enters, leaves));
       } else {
         in = min(in, enters);
         out = max(out, leaves);
       }
     }
-    const unsigned met = greater(in, out) & static_cast<unsigned>(open >> (8 * y) & 0xFFu);
-    in.storeWhere(met, canvas_.inverseDepth(u, v + y), index, canvas_.leaf(u, v + y));
-    hits |= static_cast<std::uint64_t>(met) << (8 * y);
+    const unsigned met = greater(in, out) & static_cast<unsigned>(open >> 8 * y & 0xFFu);
+    in.storeWhere(met, depth_row, leaf, leaf_row);
+    all_met |= static_cast<std::uint64_t>(met) << 8 * y;
   }
-  canvas_.closeInWindow(u, v, hits);
-  return hits != 0;
+  return all_met;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,19 +21,21 @@ struct PixelRect {
 /// border, where no pixel is open.
 class PixelCanvas {
  public:
-  /// Takes images of one size to draw on and clears them: all pixels open.
-  void reset(cv::Mat1f inverse_depth, cv::Mat1i leaf);
+  /// Takes continuous images of one size to draw on, which must outlive it, and clears them: all pixels open.
+  void reset(cv::Mat1f& inverse_depth, cv::Mat1i& leaf);
 
-  /// Row v of the images, as far as column u: 1 / depth in 1 / leaves (0 = hole), position in the list of leaves (-1).
-  [[nodiscard]] float* inverseDepth(int u, int v) { return inverse_depth_[v] + u; }
-  [[nodiscard]] std::int32_t* leaf(int u, int v) { return leaf_[v] + u; }
+  /// Pixel (u, v) of the images: 1 / depth in 1 / leaves (0 = hole), position in the list of leaves (-1).
+  [[nodiscard]] float* inverseDepth(int u, int v) { return inverse_depth_ + v * stride_ + u; }
+  [[nodiscard]] std::int32_t* leaf(int u, int v) { return leaf_ + v * stride_ + u; }
+  /// From a pixel to the one below it, in elements of either image.
+  [[nodiscard]] std::ptrdiff_t stride() const { return stride_; }
 
   /// The open pixels of the window at (u, v).
   [[nodiscard]] std::uint64_t openInWindow(int u, int v) const {
     const std::uint64_t* const tile = &open_[index(u >> 3, v >> 3)];
     const int right = u & 7, down = 8 * (v & 7);
-    const std::uint64_t left_part = join(tile[0], tile[stride_], down);
-    const std::uint64_t right_part = join(tile[1], tile[stride_ + 1], down);
+    const std::uint64_t left_part = join(tile[0], tile[tile_stride_], down);
+    const std::uint64_t right_part = join(tile[1], tile[tile_stride_ + 1], down);
     const std::uint64_t left_columns = kEveryRow * (0xFFull >> right);
     return ((left_part >> right) & left_columns) | ((right_part << (8 - right)) & ~left_columns);
   }
@@ -45,8 +48,8 @@ class PixelCanvas {
     const std::uint64_t right_part = (pixels & ~left_columns) >> (8 - right);
     tile[0] ^= left_part << down;
     tile[1] ^= right_part << down;
-    tile[stride_] ^= (left_part >> 8) >> (56 - down);
-    tile[stride_ + 1] ^= (right_part >> 8) >> (56 - down);
+    tile[tile_stride_] ^= (left_part >> 8) >> (56 - down);
+    tile[tile_stride_ + 1] ^= (right_part >> 8) >> (56 - down);
   }
   /// Whether a pixel of `rect`, which must lie in the image, is open.
   [[nodiscard]] bool isOpen(const PixelRect& rect) const {
@@ -78,13 +81,14 @@ class PixelCanvas {
     return kEveryRow * ((0xFFull >> (7 - right + left)) << left) & (~0ull >> 8 * (7 - bottom + top)) << 8 * top;
   }
   [[nodiscard]] std::size_t index(int tile_x, int tile_y) const {
-    return static_cast<std::size_t>(tile_y) * stride_ + static_cast<std::size_t>(tile_x);
+    return static_cast<std::size_t>(tile_y) * tile_stride_ + static_cast<std::size_t>(tile_x);
   }
 
-  cv::Mat1f inverse_depth_;
-  cv::Mat1i leaf_;
+  float* inverse_depth_ = nullptr;
+  std::int32_t* leaf_ = nullptr;
+  std::ptrdiff_t stride_ = 0;
   std::vector<std::uint64_t> open_;  ///< with one more row and column of tiles, never open
-  std::size_t stride_ = 0;
+  std::size_t tile_stride_ = 0;
 };
 
 }  // namespace saccade
