@@ -16,18 +16,21 @@ namespace saccade {
 struct SurfaceSegmentsConfig {
   double max_normal_angle_deg = 20.0;   ///< between a point's normal and its patch's
   double max_plane_distance_m = 0.010;  ///< of a point from its patch's plane, at 1 m depth; grows with depth squared
-  double max_depth_step_m = 0.012;      ///< between neighbouring pixels of a patch, at 1 m; grows with depth squared
-  int min_size = 150;                   ///< px; smaller patches are noise
+  double max_depth_step_m =
+      0.012;           ///< beyond the slope, where a surface still goes on; at 1 m, grows with depth squared
+  int min_size = 150;  ///< px; smaller patches are noise
 
   void describe(ConfigVisitor& visitor);
 };
 
 /// Clusters depth images into smooth surface patches (paper, "Surface clustering", after Richtsfeld et al. 2012).
 ///
-/// Patches start at the point of lowest curvature and greedily take neighbouring points that fit the patch's plane and
-/// are not across a depth discontinuity, until all points belong to a patch or are noise. Normals and curvature are
-/// smoothed here (the camera's own normals are made for tracking, and are too noisy for this). Owns all scratch
-/// memory; one object serves one thread, images of a new size reallocate.
+/// Patches start at the point of lowest curvature and greedily take neighbouring points that fit the patch's plane,
+/// which is refitted as it grows, until all points belong to a patch or are noise; points whose own normal is blurred
+/// across a crease go to the adjacent patch whose plane they fit best. Works in inverse depth, where the camera's noise
+/// is the same at all ranges, at half the image's size, and assigns the full-size pixels at the end. Normals and
+/// curvature are smoothed here: those of the depth maps are made for tracking. Owns all scratch memory; one object
+/// serves one thread, images of a new size reallocate.
 class SurfaceSegmenter {
  public:
   /// Throws std::invalid_argument if a setting is out of range.
