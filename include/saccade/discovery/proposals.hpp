@@ -1,0 +1,43 @@
+#pragma once
+
+#include "saccade/core/config_fields.hpp"
+#include "saccade/discovery/candidate.hpp"
+#include "saccade/discovery/perception.hpp"
+
+namespace saccade {
+
+/// How candidates are made of segments. `paper` leaves only what the paper does: blobs select segments.
+struct ProposalConfig {
+  bool paper = false;
+  double overlap = 0.3;
+  bool single_segments = true;
+  bool adjacent_pairs = true;
+  bool merging = true;
+  bool plane_removal = true;
+  bool cross_selection = true;
+  double cross_share = 0.5;
+  int min_area = 200;
+  double max_area_share = 0.35;
+
+  void describe(ConfigVisitor& v) {
+    v.flag("paper", paper, "only salient blobs select segments, and no candidate is left out");
+    v.number("overlap", overlap, {0.0, 1.0}, "", "share of a segment that a salient blob must cover to select it");
+    v.flag("single_segments", single_segments, "each segment is a candidate too");
+    v.flag("adjacent_pairs", adjacent_pairs, "neighbouring segments of like colour or without a depth step are too");
+    v.flag("merging", merging, "unions met while the most alike neighbours are merged are too");
+    v.flag("plane_removal", plane_removal, "what is connected once the supporting planes are taken away is too");
+    v.flag("cross_selection", cross_selection, "depth candidates select colour segments too");
+    v.number("cross_share", cross_share, {0.0, 1.0}, "", "share of a colour segment a depth candidate must cover");
+    v.integer("min_area", min_area, {1, 1000000}, "px", "smaller candidates are left out");
+    v.number("max_area_share", max_area_share, {0.0, 1.0}, "", "candidates over this share of the image are left out");
+  }
+};
+
+/// Returns the pool of object candidates of both segmentations (paper, "Saliency-based object discovery"), colour
+/// before depth, each with segments, box and area; features and score are not set. No two have the same segments,
+/// except in paper mode, where each blob that selects anything adds its own.
+///
+/// Deterministic: the order follows that of blobs and segments. A few milliseconds for 640×480.
+[[nodiscard]] Candidates proposeCandidates(const Perception& seen, const ProposalConfig& config = {});
+
+}  // namespace saccade

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "saccade/core/config_fields.hpp"
+#include "saccade/discovery/candidate.hpp"
+#include "saccade/discovery/candidate_features.hpp"
+#include "saccade/discovery/perception.hpp"
+#include "saccade/discovery/ranker_model.hpp"
+
+namespace saccade {
+
+struct RankingConfig {
+  bool paper = false;
+  int top_k = 20;
+  int max_open = 255;
+  double duplicate_iou = 0.9;
+  bool suppress = true;
+  double suppress_from = 0.4;
+  double suppress_power = 2.0;
+  FeatureConfig features;
+
+  void describe(ConfigVisitor& v) {
+    v.flag("paper", paper, "twelve features, no duplicates merged, nothing suppressed");
+    v.integer("top_k", top_k, {0, 255}, "", "candidates attended in a frame");
+    v.integer("max_open", max_open, {1, 100000}, "", "candidates reported of a frame");
+    v.number("duplicate_iou", duplicate_iou, {0.0, 1.0}, "", "mask overlap from which the weaker of two is left out");
+    v.flag("suppress", suppress,
+           "candidates that overlap a better one lose score, so that the best are of many things");
+    v.number("suppress_from", suppress_from, {0.0, 1.0}, "", "box overlap from which score is lost");
+    v.number("suppress_power", suppress_power, {0.0, 100.0}, "", "how steeply the score falls to 0 at full overlap");
+    v.section("features", features, "measuring candidates");
+  }
+};
+
+/// Ranks candidates by the SVM's probability that they are objects (paper, "Ranking of the candidates").
+///
+/// Owns the model and scratch memory; what is attended is the caller's. Not thread-safe; one per thread.
+class Ranker {
+ public:
+  /// Uses the built-in model: that of the paper's features if `config.paper`, else the extended one.
+  explicit Ranker(RankingConfig config = {});
+  Ranker(RankingConfig config, RankerModel model);
+
+  /// Returns the best `max_open` of `open`, measured, scored and sorted by falling score; ties go by source, then by
+  /// the pool's order. Duplicates (masks alike) keep the better score only. With suppression the score of a candidate
+  /// is the SVM's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017).
+  [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
+
+  /// rank(), cut to `k`.
+  [[nodiscard]] Candidates best(Candidates open, const Perception& seen, int k);
+
+  [[nodiscard]] const RankingConfig& config() const { return config_; }
+  [[nodiscard]] const RankerModel& model() const { return model_; }
+
+ private:
+  RankingConfig config_;
+  RankerModel model_;
+  CandidateMeasurer measurer_;
+};
+
+/// Orders `sorted` (by falling score) anew: takes the best, lowers the score of those whose box overlaps it, takes the
+/// best of what is left, until there are `max_open`; drops the rest. Ties: the earlier in `sorted`.
+void suppressOverlapping(Candidates& sorted, const RankingConfig& config);
+
+/// Pascal overlap of two boxes: intersection over union, 0..1.
+[[nodiscard]] double boxIou(const cv::Rect& a, const cv::Rect& b);
+
+/// Intersection over union of two candidates' masks, 0..1, from the segments' areas alone.
+[[nodiscard]] double maskIou(const Candidate& a, const Candidate& b, const Perception& seen);
+
+}  // namespace saccade

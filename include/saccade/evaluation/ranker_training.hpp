@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "saccade/discovery/discovery_config.hpp"
+#include "saccade/discovery/svm_training.hpp"
+#include "saccade/evaluation/discovery_metrics.hpp"
+
+namespace saccade {
+
+struct RankerTrainingConfig {
+  DiscoveryConfig discovery;  ///< `discovery.ranking.paper` chooses the paper's twelve features
+  double positive_iou = 0.55;
+  double negative_iou = 0.35;
+  double min_negative_depth = 0.5;
+  int positives_per_frame = 24;
+  int negatives_per_frame = 48;
+  int folds = 5;
+  std::vector<double> c_values = {1.0, 4.0, 16.0};
+  std::vector<double> gamma_values = {0.01, 0.03, 0.1};
+  int max_vectors = 600;
+  int seed = 1;
+
+  void describe(ConfigVisitor& v) {
+    v.section("discovery", discovery, "how candidates are made and ranked");
+    v.number("positive_iou", positive_iou, {0.0, 1.0}, "", "box and mask overlap above which a candidate is an object");
+    v.number("negative_iou", negative_iou, {0.0, 1.0}, "", "box and mask overlap below which it is none");
+    v.number("min_negative_depth", min_negative_depth, {0.0, 1.0}, "",
+             "share of a negative's mask and of its outline that must have depth");
+    v.integer("positives_per_frame", positives_per_frame, {1, 100000}, "", "examples of objects from one frame");
+    v.integer("negatives_per_frame", negatives_per_frame, {1, 100000}, "", "examples of the rest from one frame");
+    v.integer("folds", folds, {2, 100}, "", "cross-validation: parts, by frame");
+    v.numbers("c", c_values, {1e-6, 1e6}, "", "values of the SVM's C that are tried");
+    v.numbers("gamma", gamma_values, {1e-6, 1e6}, "", "widths of the RBF kernel that are tried");
+    v.integer("max_vectors", max_vectors, {10, 100000}, "", "support vectors of each of the two SVMs, at most");
+    v.integer("seed", seed, {0, 1000000000}, "", "chooses the examples");
+  }
+};
+
+/// What cross-validation said of one pair of parameters: recall on held-out frames by boxes.
+struct RankerTrial {
+  double c = 0.0, gamma = 0.0;
+  double recall_at_5 = 0.0, recall_at_10 = 0.0, recall_at_20 = 0.0;
+
+  /// What is maximised. Recall at 20 alone saturates on scenes of few objects, so the first ranks count too.
+  [[nodiscard]] double merit() const { return (recall_at_5 + recall_at_10 + 2.0 * recall_at_20) / 4.0; }
+};
+
+struct RankerTraining {
+  RankerModel model;
+  std::vector<RankerTrial> trials;
+  RankerTrial chosen;
+  int frames = 0;
+  int positives = 0, negatives = 0;  ///< examples used
+};
+
+/// Trains the ranker on the labelled frames of `inputs` (anything openSource opens), as `saccade train`.
+///
+/// A candidate is an example of an object if it overlaps a labelled one well, of the rest if it overlaps none and lies
+/// where depth was measured (data sets that crop the depth of the background would teach "no depth = no object");
+/// those between, and those on ignored ids, are left out. C and γ are chosen by cross-validation over whole frames, by
+/// the recall of the ranked lists, not by the accuracy of single decisions. Deterministic. Throws IoError if an input
+/// cannot be opened, std::invalid_argument if there is nothing to learn from.
+[[nodiscard]] RankerTraining trainRanker(const std::vector<std::string>& inputs, const RankerTrainingConfig& config);
+
+}  // namespace saccade

@@ -1,0 +1,112 @@
+#include "saccade/discovery/coco_rle.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+namespace saccade {
+namespace {
+
+constexpr int kBitsPerCharacter = 5;
+constexpr char kFirstCharacter = '0';  // 48; the characters used are '0' ... 'o'
+
+void append(std::int64_t value, std::string& text) {
+  for (bool more = true; more;) {
+    std::int64_t bits = value & 0x1F;
+    value >>= kBitsPerCharacter;
+    more = (bits & 0x10) != 0 ? value != -1 : value != 0;
+    if (more) bits |= 0x20;
+    text.push_back(static_cast<char>(bits + kFirstCharacter));
+  }
+}
+
+std::int64_t takeNumber(std::string_view text, std::size_t& position) {
+  std::int64_t value = 0;
+  for (int shift = 0;; shift += kBitsPerCharacter) {
+    if (position == text.size() || shift > 50) {
+      throw std::invalid_argument("decodeCocoRle: a number is cut off at character " + std::to_string(position));
+    }
+    const int bits = text[position++] - kFirstCharacter;
+    if (bits < 0 || bits > 0x3F) {
+      throw std::invalid_argument("decodeCocoRle: character " + std::to_string(position - 1) + " is none of '0'..'o'");
+    }
+    value |= static_cast<std::int64_t>(bits & 0x1F) << shift;
+    if ((bits & 0x20) != 0) continue;
+    if ((bits & 0x10) != 0) value |= -(std::int64_t{1} << (shift + kBitsPerCharacter));
+    return value;
+  }
+}
+
+}  // namespace
+
+std::string encodeCocoRle(const cv::Mat1b& mask) {
+  return encodeCocoRle(mask, {0, 0}, mask.size());
+}
+
+std::string encodeCocoRle(const cv::Mat1b& part, cv::Point corner, cv::Size size) {
+  if (corner.x < 0 || corner.y < 0 || corner.x + part.cols > size.width || corner.y + part.rows > size.height) {
+    throw std::invalid_argument("encodeCocoRle: a part of " + std::to_string(part.cols) + "x" +
+                                std::to_string(part.rows) + " at " + std::to_string(corner.x) + ", " +
+                                std::to_string(corner.y) + " in an image of " + std::to_string(size.width) + "x" +
+                                std::to_string(size.height));
+  }
+  cv::Mat1b columns;
+  cv::transpose(part, columns);
+  std::vector<std::int64_t> runs;
+  std::int64_t run_begin = 0;  // pixel in column-major order where the current run began
+  bool inside = false;
+  for (int u = 0; u < columns.rows; ++u) {
+    const std::int64_t first = std::int64_t{1} * (corner.x + u) * size.height;
+    const std::uint8_t* column = columns[u];
+    const auto turn = [&](std::int64_t at) {
+      runs.push_back(at - run_begin);
+      run_begin = at;
+      inside = !inside;
+    };
+    if (inside && corner.y > 0) turn(first);
+    for (int v = 0; v < columns.cols; ++v) {
+      if ((column[v] != 0) != inside) turn(first + corner.y + v);
+    }
+    if (inside && corner.y + columns.cols < size.height) turn(first + corner.y + columns.cols);
+  }
+  const std::int64_t part_end = std::int64_t{1} * (corner.x + columns.rows) * size.height;
+  const std::int64_t end = std::int64_t{1} * size.width * size.height;
+  if (inside && part_end < end) {
+    runs.push_back(part_end - run_begin);
+    run_begin = part_end;
+  }
+  runs.push_back(end - run_begin);
+  std::string text;
+  for (std::size_t i = 0; i < runs.size(); ++i) append(i > 2 ? runs[i] - runs[i - 2] : runs[i], text);
+  return text;
+}
+
+cv::Mat1b decodeCocoRle(std::string_view counts, cv::Size size) {
+  cv::Mat1b mask(size, std::uint8_t{0});
+  const std::int64_t pixels = std::int64_t{1} * size.width * size.height;
+  std::vector<std::int64_t> runs;
+  std::int64_t filled = 0;
+  for (std::size_t position = 0; position < counts.size();) {
+    std::int64_t run = takeNumber(counts, position);
+    if (runs.size() > 2) run += runs[runs.size() - 2];
+    if (run < 0 || run > pixels - filled) {
+      throw std::invalid_argument("decodeCocoRle: run " + std::to_string(runs.size()) + " has " + std::to_string(run) +
+                                  " pixels where " + std::to_string(pixels - filled) + " are left");
+    }
+    if (runs.size() % 2 == 1) {
+      for (std::int64_t i = filled; i < filled + run; ++i) {
+        mask(static_cast<int>(i % size.height), static_cast<int>(i / size.height)) = 255;
+      }
+    }
+    filled += run;
+    runs.push_back(run);
+  }
+  if (filled != pixels) {
+    throw std::invalid_argument("decodeCocoRle: the runs fill " + std::to_string(filled) + " of " +
+                                std::to_string(pixels) + " pixels");
+  }
+  return mask;
+}
+
+}  // namespace saccade

@@ -1,0 +1,20 @@
+#include "saccade/discovery/perception.hpp"
+
+namespace saccade {
+
+void Perception::makeTables(const cv::Mat3b& image, const DepthMaps* depth, const SupportPlaneConfig& config) {
+  has_depth = depth != nullptr;
+  if (depth != nullptr) {
+    camera = depth->camera;
+  } else {
+    surface.labels.create(image.size());
+    surface.labels.setTo(-1);
+    surface.count = 0;
+  }
+  color_segments.build(color, saliency, image, depth);
+  surface_segments.build(surface, saliency, image, depth);
+  overlap.build(color, surface);
+  planes.build(surface_segments, camera, config);
+}
+
+}  // namespace saccade

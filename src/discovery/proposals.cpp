@@ -1,0 +1,275 @@
+#include "saccade/discovery/proposals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "saccade/discovery/region_merging.hpp"
+
+namespace saccade {
+namespace {
+
+constexpr double kForbidden = std::numeric_limits<double>::infinity();
+// Pairs: at most this mean colour difference, or at most this share of depth steps between them.
+constexpr double kPairColor = 0.12;
+constexpr double kPairSteps = 0.3;
+// Regions with a larger share of depth steps on their common boundary are never one thing's surface.
+constexpr double kMaxSteps = 0.6;
+
+// Gathers the candidates of one source and drops those met before.
+class Pool {
+ public:
+  Pool(const Perception& seen, CandidateSource source, const ProposalConfig& config)
+      : table_(seen.table(source)), source_(source), config_(config) {
+    const cv::Size size = seen.imageSize();
+    max_area_ = config.paper ? size.area() : static_cast<int>(config.max_area_share * size.area());
+    min_area_ = config.paper ? 1 : config.min_area;
+  }
+
+  [[nodiscard]] int maxArea() const { return max_area_; }
+
+  void add(std::span<const std::int32_t> segments) {
+    SegmentSums sums;
+    for (const std::int32_t segment : segments) sums += table_.sums(segment);
+    add(segments, sums);
+  }
+
+  void add(std::span<const std::int32_t> segments, const SegmentSums& sums) {
+    if (segments.empty() || sums.area < min_area_ || sums.area > max_area_) return;
+    if (!config_.paper && !isNew(segments)) return;
+    Candidate candidate;
+    candidate.source = source_;
+    candidate.segments.assign(segments.begin(), segments.end());
+    candidate.box = sums.box();
+    candidate.area = sums.area;
+    pool_.push_back(std::move(candidate));
+  }
+
+  [[nodiscard]] const Candidates& candidates() const { return pool_; }
+  [[nodiscard]] Candidates take() { return std::move(pool_); }
+
+ private:
+  bool isNew(std::span<const std::int32_t> segments) {
+    std::uint64_t hash = 0xCBF29CE484222325ULL;
+    for (const std::int32_t segment : segments) {
+      hash = (hash ^ static_cast<std::uint64_t>(segment + 1)) * 0x9E3779B97F4A7C15ULL;
+      hash ^= hash >> 29;
+    }
+    const auto [begin, end] = known_.equal_range(hash);
+    for (auto it = begin; it != end; ++it) {
+      const std::vector<std::int32_t>& other = pool_[it->second].segments;
+      if (std::equal(other.begin(), other.end(), segments.begin(), segments.end())) return false;
+    }
+    known_.emplace(hash, pool_.size());
+    return true;
+  }
+
+  const SegmentTable& table_;
+  CandidateSource source_;
+  const ProposalConfig& config_;
+  int min_area_ = 1, max_area_ = 0;
+  Candidates pool_;
+  std::unordered_multimap<std::uint64_t, std::size_t> known_;
+};
+
+// For each pixel the column where its run of equal labels ends: blobs are then crossed run by run.
+cv::Mat1w runEnds(const cv::Mat1i& labels) {
+  cv::Mat1w ends(labels.size());
+  for (int v = 0; v < labels.rows; ++v) {
+    const int* row = labels[v];
+    std::uint16_t* end = ends[v];
+    for (int u = labels.cols - 1; u >= 0; --u) {
+      const bool is_last = u + 1 == labels.cols || row[u + 1] != row[u];
+      end[u] = is_last ? static_cast<std::uint16_t>(u + 1) : end[u + 1];
+    }
+  }
+  return ends;
+}
+
+// The paper's rule: a blob selects the segments of which it covers at least the share `overlap`.
+void addBlobUnions(const Perception& seen, CandidateSource source, double overlap, Pool& pool) {
+  const cv::Mat1i& labels = seen.segmentation(source).labels;
+  const cv::Mat1w ends = runEnds(labels);
+  const SegmentTable& table = seen.table(source);
+  std::vector<int> covered(static_cast<std::size_t>(table.count()), 0);
+  std::vector<std::int32_t> touched, selected;
+  for (const SalientBlob& blob : seen.blobs) {
+    touched.clear();
+    for (const PixelRun& run : blob.runs) {
+      const int* row = labels[run.row];
+      const std::uint16_t* end = ends[run.row];
+      for (int u = run.first_column; u < run.end_column;) {
+        const int label = row[u], next = std::min<int>(end[u], run.end_column);
+        if (label >= 0) {
+          int& pixels = covered[static_cast<std::size_t>(label)];
+          if (pixels == 0) touched.push_back(label);
+          pixels += next - u;
+        }
+        u = next;
+      }
+    }
+    selected.clear();
+    for (const std::int32_t segment : touched) {
+      int& pixels = covered[static_cast<std::size_t>(segment)];
+      if (pixels >= overlap * table.sums(segment).area) selected.push_back(segment);
+      pixels = 0;
+    }
+    std::sort(selected.begin(), selected.end());
+    pool.add(selected);
+  }
+}
+
+// Mean absolute difference of the mean colours, 0..1.
+double colorDifference(const SegmentSums& a, const SegmentSums& b) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) sum += std::abs(a.color[c] / a.area - b.color[c] / b.area);
+  return sum / 765.0;
+}
+
+double steppedShare(const SharedBoundary& boundary) {
+  return boundary.known > 0 ? static_cast<double>(boundary.stepped) / boundary.known : 0.0;
+}
+
+// Positive where two patches meet as on the outside of a box (convex), negative as in a corner of a room; the sine of
+// the bend. 0 where normals are missing.
+double convexBend(const SegmentSums& a, const SegmentSums& b) {
+  if (a.normal_count == 0 || b.normal_count == 0 || a.depth_count == 0 || b.depth_count == 0) return 0.0;
+  const Eigen::Vector3d n_a = Eigen::Vector3d(a.normal[0], a.normal[1], a.normal[2]).normalized();
+  const Eigen::Vector3d n_b = Eigen::Vector3d(b.normal[0], b.normal[1], b.normal[2]).normalized();
+  const Eigen::Vector3d p_a = Eigen::Vector3d(a.vertex[0], a.vertex[1], a.vertex[2]) / a.depth_count;
+  const Eigen::Vector3d p_b = Eigen::Vector3d(b.vertex[0], b.vertex[1], b.vertex[2]) / b.depth_count;
+  const Eigen::Vector3d way = p_b - p_a;
+  const double distance = way.norm();
+  return distance > 0.0 ? 0.5 * (n_b - n_a).dot(way) / distance : 0.0;
+}
+
+// How far two regions are from filling their common box: small where one closes the other's gap.
+double looseFit(const SegmentSums& a, const SegmentSums& b) {
+  const double box = (a.box() | b.box()).area();
+  return 1.0 - (a.area + b.area) / box;
+}
+
+double relativeSize(const SegmentSums& a, const SegmentSums& b, double image_area) {
+  return (a.area + b.area) / image_area;
+}
+
+void addPairs(const SegmentTable& table, Pool& pool) {
+  for (std::int32_t a = 0; a < table.count(); ++a) {
+    for (const SegmentEdge& edge : table.edges(a)) {
+      if (edge.neighbor <= a) continue;
+      const SharedBoundary boundary{edge.length, edge.known, edge.nearer + edge.farther, edge.color_step};
+      const double steps = steppedShare(boundary);
+      const bool alike = colorDifference(table.sums(a), table.sums(edge.neighbor)) < kPairColor;
+      if (steps > kMaxSteps || (!alike && (edge.known == 0 || steps > kPairSteps))) continue;
+      const std::array<std::int32_t, 2> pair{a, edge.neighbor};
+      pool.add(pair);
+    }
+  }
+}
+
+// Surface patches without the supporting planes: first all that hang together, then what the merging meets.
+void addSurfaceUnions(const Perception& seen, const ProposalConfig& config, RegionMerging& merging, Pool& pool) {
+  const SegmentTable& table = seen.surface_segments;
+  std::vector<std::uint8_t> all(static_cast<std::size_t>(table.count()), 1), free = all;
+  for (std::int32_t i = 0; i < table.count(); ++i) {
+    if (seen.planes.planeOf(i) != SupportPlanes::kNoPlane) free[static_cast<std::size_t>(i)] = 0;
+  }
+  const auto report = [&](std::span<const std::int32_t> segments, const SegmentSums& sums) {
+    pool.add(segments, sums);
+  };
+  const double image_area = seen.imageSize().area();
+  const auto byShape = [&](const SegmentSums& a, const SegmentSums& b, const SharedBoundary& boundary) {
+    const double steps = steppedShare(boundary);
+    if (boundary.known == 0 || steps > kMaxSteps) return kForbidden;
+    return steps - convexBend(a, b) + 0.5 * looseFit(a, b) + relativeSize(a, b, image_area);
+  };
+  const auto byColor = [&](const SegmentSums& a, const SegmentSums& b, const SharedBoundary& boundary) {
+    const double steps = steppedShare(boundary);
+    if (boundary.known == 0 || steps > kMaxSteps) return kForbidden;
+    return colorDifference(a, b) + 0.3 * steps + relativeSize(a, b, image_area);
+  };
+  if (config.plane_removal) {
+    merging.run(table, free, pool.maxArea(), byShape, report);
+    merging.run(table, free, pool.maxArea(), byColor, report);
+  }
+  if (config.merging) merging.run(table, all, pool.maxArea(), byShape, report);
+}
+
+void addColorUnions(const Perception& seen, RegionMerging& merging, Pool& pool) {
+  const SegmentTable& table = seen.color_segments;
+  const std::vector<std::uint8_t> all(static_cast<std::size_t>(table.count()), 1);
+  const double image_area = seen.imageSize().area();
+  const auto report = [&](std::span<const std::int32_t> segments, const SegmentSums& sums) {
+    pool.add(segments, sums);
+  };
+  merging.run(
+      table, all, pool.maxArea(),
+      [&](const SegmentSums& a, const SegmentSums& b, const SharedBoundary& boundary) {
+        return boundary.color_step / boundary.length + colorDifference(a, b) + relativeSize(a, b, image_area);
+      },
+      report);
+  if (!seen.has_depth) return;
+  merging.run(
+      table, all, pool.maxArea(),
+      [&](const SegmentSums& a, const SegmentSums& b, const SharedBoundary& boundary) {
+        const double unknown = 1.0 - static_cast<double>(boundary.known) / boundary.length;
+        return steppedShare(boundary) + 0.5 * unknown + 0.5 * colorDifference(a, b) + 0.5 * looseFit(a, b) +
+               2.0 * relativeSize(a, b, image_area);
+      },
+      report);
+}
+
+// Depth candidates find the object, colour segments its outline: those that lie mostly within one are selected by it.
+void addCrossSelections(const Perception& seen, const Candidates& depth_pool, double share, Pool& pool) {
+  std::vector<int> covered(static_cast<std::size_t>(seen.color_segments.count()), 0);
+  std::vector<std::int32_t> touched, selected;
+  for (const Candidate& candidate : depth_pool) {
+    touched.clear();
+    for (const std::int32_t segment : candidate.segments) {
+      for (const SegmentOverlap::Share& overlap : seen.overlap.ofSecond(segment)) {
+        int& pixels = covered[static_cast<std::size_t>(overlap.other)];
+        if (pixels == 0) touched.push_back(overlap.other);
+        pixels += overlap.pixels;
+      }
+    }
+    selected.clear();
+    for (const std::int32_t segment : touched) {
+      int& pixels = covered[static_cast<std::size_t>(segment)];
+      if (pixels >= share * seen.color_segments.sums(segment).area) selected.push_back(segment);
+      pixels = 0;
+    }
+    std::sort(selected.begin(), selected.end());
+    pool.add(selected);
+  }
+}
+
+void addSegments(const SegmentTable& table, Pool& pool) {
+  for (std::int32_t i = 0; i < table.count(); ++i) {
+    pool.add(std::array<std::int32_t, 1>{i});
+  }
+}
+
+}  // namespace
+
+Candidates proposeCandidates(const Perception& seen, const ProposalConfig& config) {
+  Pool color(seen, CandidateSource::kColor, config), depth(seen, CandidateSource::kDepth, config);
+  addBlobUnions(seen, CandidateSource::kColor, config.overlap, color);
+  if (seen.has_depth) addBlobUnions(seen, CandidateSource::kDepth, config.overlap, depth);
+  if (!config.paper) {
+    RegionMerging merging;
+    if (config.single_segments) addSegments(seen.color_segments, color);
+    if (config.adjacent_pairs) addPairs(seen.color_segments, color);
+    if (config.merging) addColorUnions(seen, merging, color);
+    if (config.single_segments) addSegments(seen.surface_segments, depth);
+    if (config.adjacent_pairs) addPairs(seen.surface_segments, depth);
+    addSurfaceUnions(seen, config, merging, depth);
+    if (config.cross_selection) addCrossSelections(seen, depth.candidates(), config.cross_share, color);
+  }
+  Candidates pool = color.take();
+  Candidates from_depth = depth.take();
+  pool.insert(pool.end(), std::make_move_iterator(from_depth.begin()), std::make_move_iterator(from_depth.end()));
+  return pool;
+}
+
+}  // namespace saccade

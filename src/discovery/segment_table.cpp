@@ -1,0 +1,352 @@
+#include "saccade/discovery/segment_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "saccade/core/multiversion.hpp"
+
+namespace saccade {
+namespace {
+
+// Two pixels this far apart in depth, at 1 m, lie on different surfaces; the noise of structured light grows with z².
+constexpr float kDepthStep_m = 0.010F;
+constexpr float kDepthStepPerSquareMetre = 0.006F;
+// Points for hulls and samples are taken from every second column and row.
+constexpr int kPointStep = 2;
+
+struct Directions {
+  std::array<float, SegmentTable::kDirections> x, y, z;
+};
+
+// Spread evenly over the sphere by the golden angle.
+Directions makeDirections() {
+  Directions directions{};
+  const double golden_angle = 2.399963229728653;
+  for (std::size_t i = 0; i < SegmentTable::kDirections; ++i) {
+    const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / SegmentTable::kDirections;
+    const double radius = std::sqrt(1.0 - z * z);
+    const double angle = golden_angle * static_cast<double>(i);
+    directions.x[i] = static_cast<float>(radius * std::cos(angle));
+    directions.y[i] = static_cast<float>(radius * std::sin(angle));
+    directions.z[i] = static_cast<float>(z);
+  }
+  return directions;
+}
+
+SACCADE_MULTIVERSION void extend(SegmentTable::Extremes& extremes, const Directions& directions, float x, float y,
+                                 float z) {
+  for (std::size_t i = 0; i < SegmentTable::kDirections; ++i) {
+    const float reach = directions.x[i] * x + directions.y[i] * y + directions.z[i] * z;
+    const bool farther = reach > extremes.reach[i];
+    extremes.reach[i] = farther ? reach : extremes.reach[i];
+    extremes.x[i] = farther ? x : extremes.x[i];
+    extremes.y[i] = farther ? y : extremes.y[i];
+    extremes.z[i] = farther ? z : extremes.z[i];
+  }
+}
+
+// Mean absolute difference of the channels, 0..1.
+inline float colorStep(const cv::Vec3b& a, const cv::Vec3b& b) {
+  const int sum = std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
+  return static_cast<float>(sum) * (1.0F / 765.0F);
+}
+
+void requireSize(const char* what, cv::Size found, cv::Size expected) {
+  if (found == expected) return;
+  throw std::invalid_argument(std::string("SegmentTable: the ") + what + " has " + std::to_string(found.width) + "x" +
+                              std::to_string(found.height) + " pixels, the segmentation " +
+                              std::to_string(expected.width) + "x" + std::to_string(expected.height));
+}
+
+}  // namespace
+
+RawMoments& RawMoments::operator+=(const RawMoments& other) {
+  m00 += other.m00;
+  m10 += other.m10;
+  m01 += other.m01;
+  m20 += other.m20;
+  m11 += other.m11;
+  m02 += other.m02;
+  m30 += other.m30;
+  m21 += other.m21;
+  m12 += other.m12;
+  m03 += other.m03;
+  return *this;
+}
+
+SegmentSums& SegmentSums::operator+=(const SegmentSums& other) {
+  if (other.area == 0) return *this;
+  if (area == 0) {
+    *this = other;
+    return *this;
+  }
+  area += other.area;
+  min_u = std::min(min_u, other.min_u);
+  min_v = std::min(min_v, other.min_v);
+  max_u = std::max(max_u, other.max_u);
+  max_v = std::max(max_v, other.max_v);
+  moments += other.moments;
+  saliency += other.saliency;
+  for (std::size_t i = 0; i < 3; ++i) color[i] += other.color[i];
+  color_squared += other.color_squared;
+  depth_count += other.depth_count;
+  for (std::size_t i = 0; i < 3; ++i) vertex[i] += other.vertex[i];
+  for (std::size_t i = 0; i < 6; ++i) scatter[i] += other.scatter[i];
+  normal_count += other.normal_count;
+  for (std::size_t i = 0; i < 3; ++i) normal[i] += other.normal[i];
+  return *this;
+}
+
+void SegmentTable::build(const Segmentation& segmentation, const cv::Mat1f& saliency, const cv::Mat3b& color,
+                         const DepthMaps* depth) {
+  const cv::Mat1i& labels = segmentation.labels;
+  requireSize("saliency map", saliency.size(), labels.size());
+  requireSize("colour image", color.size(), labels.size());
+  if (depth != nullptr) requireSize("vertex map", depth->vertices.size(), labels.size());
+  if (depth != nullptr) requireSize("normal map", depth->normals.size(), labels.size());
+
+  size_ = labels.size();
+  has_depth_ = depth != nullptr;
+  sums_.assign(static_cast<std::size_t>(segmentation.count), SegmentSums{});
+  for (std::vector<std::int64_t>* power : {&power_1_, &power_2_, &power_3_}) {
+    power->assign(static_cast<std::size_t>(size_.width) + 1, 0);
+  }
+  for (int u = 0; u < size_.width; ++u) {
+    const auto i = static_cast<std::size_t>(u);
+    const std::int64_t x = u - momentOrigin().x;
+    power_1_[i + 1] = power_1_[i] + x;
+    power_2_[i + 1] = power_2_[i] + x * x;
+    power_3_[i + 1] = power_3_[i] + x * x * x;
+  }
+  for (int v = 0; v < size_.height; ++v) {
+    const int* row = labels[v];
+    for (int u = 0; u < size_.width;) {
+      const int begin = u, label = row[u];
+      while (u < size_.width && row[u] == label) ++u;
+      if (label >= segmentation.count) {
+        throw std::invalid_argument("SegmentTable: label " + std::to_string(label) + " where there are " +
+                                    std::to_string(segmentation.count) + " segments");
+      }
+      if (label >= 0) sumRun(sums_[static_cast<std::size_t>(label)], v, begin, u, saliency, color, depth);
+    }
+  }
+  if (depth != nullptr) {
+    gatherPoints(labels, *depth);
+  } else {
+    sample_count_.assign(sums_.size(), 0);
+  }
+  gatherCracks(labels, color, depth);
+  sortEdges();
+}
+
+void SegmentTable::sumRun(SegmentSums& sums, int v, int begin_u, int end_u, const cv::Mat1f& saliency,
+                          const cv::Mat3b& color, const DepthMaps* depth) const {
+  const auto begin = static_cast<std::size_t>(begin_u), end = static_cast<std::size_t>(end_u);
+  if (sums.area == 0) {
+    sums.min_u = begin_u;
+    sums.min_v = v;
+    sums.max_u = end_u - 1;
+  }
+  sums.area += end_u - begin_u;
+  sums.min_u = std::min(sums.min_u, begin_u);
+  sums.max_u = std::max(sums.max_u, end_u - 1);
+  sums.max_v = v;
+
+  const std::int64_t y = v - momentOrigin().y, n = end_u - begin_u;
+  const std::int64_t x1 = power_1_[end] - power_1_[begin], x2 = power_2_[end] - power_2_[begin],
+                     x3 = power_3_[end] - power_3_[begin];
+  sums.moments += {n, x1, n * y, x2, x1 * y, n * y * y, x3, x2 * y, x1 * y * y, n * y * y * y};
+
+  const float* saliency_row = saliency[v];
+  float saliency_sum = 0.0F;
+  for (int u = begin_u; u < end_u; ++u) saliency_sum += saliency_row[u];
+  sums.saliency += static_cast<double>(saliency_sum);
+
+  const cv::Vec3b* color_row = color[v];
+  std::array<int, 3> channel{};
+  std::int64_t squared = 0;
+  for (int u = begin_u; u < end_u; ++u) {
+    const int b = color_row[u][0], g = color_row[u][1], r = color_row[u][2];
+    channel[0] += b;
+    channel[1] += g;
+    channel[2] += r;
+    squared += b * b + g * g + r * r;
+  }
+  for (std::size_t c = 0; c < 3; ++c) sums.color[c] += channel[c];
+  sums.color_squared += static_cast<double>(squared);
+  if (depth == nullptr) return;
+
+  const cv::Vec3f* vertices = depth->vertices[v];
+  const cv::Vec3f* normals = depth->normals[v];
+  float vx = 0, vy = 0, vz = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, nx = 0, ny = 0, nz = 0;
+  int depth_count = 0, normal_count = 0;
+  for (int u = begin_u; u < end_u; ++u) {  // pixels without measurement add zeros
+    const cv::Vec3f& p = vertices[u];
+    const cv::Vec3f& m = normals[u];
+    vx += p[0];
+    vy += p[1];
+    vz += p[2];
+    xx += p[0] * p[0];
+    xy += p[0] * p[1];
+    xz += p[0] * p[2];
+    yy += p[1] * p[1];
+    yz += p[1] * p[2];
+    zz += p[2] * p[2];
+    nx += m[0];
+    ny += m[1];
+    nz += m[2];
+    depth_count += p[2] > 0.0F ? 1 : 0;
+    normal_count += m[0] != 0.0F || m[1] != 0.0F || m[2] != 0.0F ? 1 : 0;
+  }
+  const std::array<float, 3> vertex{vx, vy, vz}, normal{nx, ny, nz};
+  const std::array<float, 6> scatter{xx, xy, xz, yy, yz, zz};
+  for (std::size_t i = 0; i < 3; ++i) sums.vertex[i] += static_cast<double>(vertex[i]);
+  for (std::size_t i = 0; i < 3; ++i) sums.normal[i] += static_cast<double>(normal[i]);
+  for (std::size_t i = 0; i < 6; ++i) sums.scatter[i] += static_cast<double>(scatter[i]);
+  sums.depth_count += depth_count;
+  sums.normal_count += normal_count;
+}
+
+// Keeps about every n-th point, at irregular steps lest they fall into step with the image's columns; when the
+// segment's places are full, every second one is dropped and n doubles.
+void SegmentTable::addSample(std::size_t segment, const Eigen::Vector3f& point) {
+  if (--sample_wait_[segment] > 0) return;
+  Eigen::Vector3f* const samples = samples_.data() + segment * kMaxSamples;
+  int& count = sample_count_[segment];
+  if (count == static_cast<int>(kMaxSamples)) {
+    for (std::size_t i = 0; i < kMaxSamples / 2; ++i) samples[i] = samples[2 * i];
+    count = static_cast<int>(kMaxSamples) / 2;
+    sample_stride_[segment] *= 2;
+  }
+  samples[count++] = point;
+  std::uint32_t& random = sample_random_[segment];
+  random = random * 1664525U + 1013904223U;
+  const auto stride = static_cast<std::uint32_t>(sample_stride_[segment]);
+  sample_wait_[segment] = static_cast<int>(1 + (random >> 8) % (2 * stride - 1));
+}
+
+void SegmentTable::gatherPoints(const cv::Mat1i& labels, const DepthMaps& depth) {
+  static const Directions directions = makeDirections();
+  Extremes none{};
+  none.reach.fill(-std::numeric_limits<float>::infinity());
+  extremes_.assign(sums_.size(), none);
+  samples_.resize(sums_.size() * kMaxSamples);
+  sample_count_.assign(sums_.size(), 0);
+  sample_stride_.assign(sums_.size(), 1);
+  sample_wait_.assign(sums_.size(), 1);
+  sample_random_.assign(sums_.size(), 1);
+  for (int v = 0; v < labels.rows; v += kPointStep) {
+    const int* row = labels[v];
+    const cv::Vec3f* vertices = depth.vertices[v];
+    for (int u = 0; u < labels.cols; u += kPointStep) {
+      const cv::Vec3f& p = vertices[u];
+      if (row[u] < 0 || !(p[2] > 0.0F)) continue;
+      const auto segment = static_cast<std::size_t>(row[u]);
+      extend(extremes_[segment], directions, p[0], p[1], p[2]);
+      addSample(segment, {p[0], p[1], p[2]});
+    }
+  }
+}
+
+SegmentTable::EdgeSlot& SegmentTable::edgeSlot(std::int32_t a, std::int32_t b) {
+  // Ids start at -2; the shift keeps 0 free for "empty". The first of the pair is the smaller id.
+  const auto low = static_cast<std::uint64_t>(std::min(a, b) + 3),
+             high = static_cast<std::uint64_t>(std::max(a, b) + 3);
+  const std::uint64_t key = low << 32 | high;
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t i = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 40) & mask;
+  while (slots_[i].key != key) {
+    if (slots_[i].key == 0) {
+      slots_[i].key = key;
+      ++used_slots_;
+      break;
+    }
+    i = (i + 1) & mask;
+  }
+  return slots_[i];
+}
+
+void SegmentTable::growEdgeSlots() {
+  std::vector<EdgeSlot> old(slots_.size() * 2);
+  old.swap(slots_);
+  used_slots_ = 0;
+  for (const EdgeSlot& slot : old) {
+    if (slot.key == 0) continue;
+    const auto a = static_cast<std::int32_t>(slot.key >> 32) - 3,
+               b = static_cast<std::int32_t>(slot.key & 0xFFFFFFFFU) - 3;
+    edgeSlot(a, b) = slot;
+  }
+}
+
+void SegmentTable::gatherCracks(const cv::Mat1i& labels, const cv::Mat3b& color, const DepthMaps* depth) {
+  if (slots_.empty()) slots_.resize(4096);
+  std::fill(slots_.begin(), slots_.end(), EdgeSlot{});
+  used_slots_ = 0;
+  const auto add = [&](int a, int b, int u_a, int v_a, int u_b, int v_b) {
+    if (used_slots_ * 2 > slots_.size()) growEdgeSlots();
+    EdgeSlot& slot = edgeSlot(a, b);
+    ++slot.length;
+    slot.color_step += colorStep(color(v_a, u_a), color(v_b, u_b));
+    if (depth == nullptr) return;
+    const float z_a = depth->vertices(v_a, u_a)[2], z_b = depth->vertices(v_b, u_b)[2];
+    if (!(z_a > 0.0F) || !(z_b > 0.0F)) return;
+    ++slot.known;
+    const float nearest = std::min(z_a, z_b), step = kDepthStep_m + kDepthStepPerSquareMetre * nearest * nearest;
+    const bool a_first = a < b;
+    if (z_b - z_a > step) ++(a_first ? slot.first_nearer : slot.second_nearer);
+    if (z_a - z_b > step) ++(a_first ? slot.second_nearer : slot.first_nearer);
+  };
+  const auto addBorder = [&](int label, int cracks) {
+    if (label < 0) return;
+    if (used_slots_ * 2 > slots_.size()) growEdgeSlots();
+    edgeSlot(kImageBorder, label).length += cracks;
+  };
+  for (int v = 0; v < labels.rows; ++v) {
+    const int* row = labels[v];
+    const int* above = v > 0 ? labels[v - 1] : nullptr;
+    addBorder(row[0], 1);
+    addBorder(row[labels.cols - 1], 1);
+    for (int u = 1; u < labels.cols; ++u) {
+      if (row[u] != row[u - 1]) add(row[u - 1], row[u], u - 1, v, u, v);
+    }
+    if (above == nullptr) continue;
+    for (int u = 0; u < labels.cols; ++u) {
+      if (row[u] != above[u]) add(above[u], row[u], u, v - 1, u, v);
+    }
+  }
+  if (labels.rows == 0) return;
+  for (int u = 0; u < labels.cols; ++u) {
+    addBorder(labels(0, u), 1);
+    addBorder(labels(labels.rows - 1, u), 1);
+  }
+}
+
+void SegmentTable::sortEdges() {
+  edge_begin_.assign(sums_.size() + 1, 0);
+  const auto forEachSide = [&](const auto& visit) {
+    for (const EdgeSlot& slot : slots_) {
+      if (slot.key == 0) continue;
+      const auto a = static_cast<std::int32_t>(slot.key >> 32) - 3,
+                 b = static_cast<std::int32_t>(slot.key & 0xFFFFFFFFU) - 3;
+      const auto step = static_cast<double>(slot.color_step);
+      if (a >= 0) visit(a, SegmentEdge{b, slot.length, slot.known, slot.first_nearer, slot.second_nearer, step});
+      if (b >= 0) visit(b, SegmentEdge{a, slot.length, slot.known, slot.second_nearer, slot.first_nearer, step});
+    }
+  };
+  forEachSide([&](std::int32_t segment, const SegmentEdge&) { ++edge_begin_[static_cast<std::size_t>(segment) + 1]; });
+  for (std::size_t i = 1; i < edge_begin_.size(); ++i) edge_begin_[i] += edge_begin_[i - 1];
+  edges_.resize(edge_begin_.back());
+  std::vector<std::size_t> next(edge_begin_.begin(), edge_begin_.end() - 1);
+  forEachSide(
+      [&](std::int32_t segment, const SegmentEdge& edge) { edges_[next[static_cast<std::size_t>(segment)]++] = edge; });
+  for (std::size_t s = 0; s < sums_.size(); ++s) {
+    std::sort(edges_.begin() + static_cast<std::ptrdiff_t>(edge_begin_[s]),
+              edges_.begin() + static_cast<std::ptrdiff_t>(edge_begin_[s + 1]),
+              [](const SegmentEdge& a, const SegmentEdge& b) { return a.neighbor < b.neighbor; });
+  }
+}
+
+}  // namespace saccade

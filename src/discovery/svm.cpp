@@ -1,0 +1,216 @@
+#include "saccade/discovery/svm.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+
+#include "saccade/core/multiversion.hpp"
+
+namespace saccade {
+namespace {
+
+constexpr std::size_t kLanes = 8;  // rows judged at a time
+
+// e^x for x <= 0 within 2e-14: 2^n by the exponent bits, the rest by a polynomial. Inlined so that the loop around it
+// vectorises.
+inline double expOfNegative(double x) {
+  constexpr double kLog2E = 1.4426950408889634, kLn2High = 0.693147180369123816490,
+                   kLn2Low = 1.90821492927058770002e-10;
+  constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: adding it leaves the rounded number in the low bits
+  x = x < -700.0 ? -700.0 : x;
+  const double shifted = x * kLog2E + kRounder;
+  const double n = shifted - kRounder;
+  const double r = (x - n * kLn2High) - n * kLn2Low;
+  double p = 1.0 / 479001600.0;
+  p = p * r + 1.0 / 39916800.0;
+  p = p * r + 1.0 / 3628800.0;
+  p = p * r + 1.0 / 362880.0;
+  p = p * r + 1.0 / 40320.0;
+  p = p * r + 1.0 / 5040.0;
+  p = p * r + 1.0 / 720.0;
+  p = p * r + 1.0 / 120.0;
+  p = p * r + 1.0 / 24.0;
+  p = p * r + 1.0 / 6.0;
+  p = p * r + 0.5;
+  p = p * r + 1.0;
+  p = p * r + 1.0;
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(p) + (std::bit_cast<std::uint64_t>(shifted) << 52));
+}
+
+// Decision values of eight rows, given value by value: columns[d * kLanes + lane].
+SACCADE_MULTIVERSION void decide(const double* columns, const double* vectors, const double* coefficients,
+                                 std::size_t vector_count, std::size_t dimension, double gamma, double* decision) {
+  double sum[kLanes] = {};
+  for (std::size_t s = 0; s < vector_count; ++s) {
+    const double* vector = vectors + s * dimension;
+    double distance[kLanes] = {};
+    for (std::size_t d = 0; d < dimension; ++d) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const double difference = columns[d * kLanes + lane] - vector[d];
+        distance[lane] += difference * difference;
+      }
+    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      sum[lane] += coefficients[s] * expOfNegative(-gamma * distance[lane]);
+    }
+  }
+  for (std::size_t lane = 0; lane < kLanes; ++lane) decision[lane] = sum[lane];
+}
+
+double sigmoid(double decision, double a, double b) {
+  const double x = a * decision + b;
+  return x >= 0.0 ? std::exp(-x) / (1.0 + std::exp(-x)) : 1.0 / (1.0 + std::exp(x));
+}
+
+// Pairwise coupling of two classes (Wu, Lin & Weng 2004, second method), with LIBSVM's start, order and stopping rule:
+// it stops short of the exact answer r, and whoever wants LIBSVM's numbers must stop where it stops.
+double couple(double r) {
+  constexpr double kStop = 0.005 / 2.0;
+  const double s = 1.0 - r;
+  const std::array<std::array<double, 2>, 2> q{{{s * s, -s * r}, {-s * r, r * r}}};
+  std::array<double, 2> p{0.5, 0.5};
+  for (int round = 0; round < 100; ++round) {
+    std::array<double, 2> qp{q[0][0] * p[0] + q[0][1] * p[1], q[1][0] * p[0] + q[1][1] * p[1]};
+    double pqp = p[0] * qp[0] + p[1] * qp[1];
+    if (std::max(std::abs(qp[0] - pqp), std::abs(qp[1] - pqp)) < kStop) break;
+    for (std::size_t t = 0; t < 2; ++t) {
+      const double step = (pqp - qp[t]) / q[t][t];
+      p[t] += step;
+      const double norm = 1.0 + step;
+      pqp = (pqp + step * (step * q[t][t] + 2.0 * qp[t])) / (norm * norm);
+      for (std::size_t j = 0; j < 2; ++j) {
+        qp[j] = (qp[j] + step * q[t][j]) / norm;
+        p[j] /= norm;
+      }
+    }
+  }
+  return p[0];
+}
+
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_(text) {}
+
+  bool next(std::string_view& line) {
+    if (rest_.empty()) return false;
+    const std::size_t end = rest_.find('\n');
+    line = rest_.substr(0, end);
+    rest_ = end == std::string_view::npos ? std::string_view{} : rest_.substr(end + 1);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    ++number_;
+    return true;
+  }
+  [[noreturn]] void complain(const std::string& expected, std::string_view found) const {
+    throw std::invalid_argument("line " + std::to_string(number_) + " of the SVM: expected " + expected + ", found \"" +
+                                std::string(found.substr(0, 60)) + "\"");
+  }
+
+ private:
+  std::string_view rest_;
+  int number_ = 0;
+};
+
+std::string_view takeWord(std::string_view& line) {
+  const std::size_t begin = std::min(line.find_first_not_of(" \t"), line.size());
+  const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
+  const std::string_view word = line.substr(begin, end - begin);
+  line.remove_prefix(end);
+  return word;
+}
+
+template <typename Number>
+Number toNumber(const Lines& lines, std::string_view word) {
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  bool finite = true;
+  if constexpr (std::is_floating_point_v<Number>) finite = std::isfinite(value);
+  if (error != std::errc{} || end != word.data() + word.size() || !finite) lines.complain("a number", word);
+  return value;
+}
+
+}  // namespace
+
+Svm Svm::parse(std::string_view text) {
+  Svm svm;
+  svm.text_ = text;
+  Lines lines(text);
+  std::string_view line;
+  std::size_t total = 0;
+  bool has_probability = false, has_label = false, in_vectors = false;
+  const auto requireWord = [&](std::string_view found, std::string_view expected) {
+    if (found != expected) lines.complain(std::string(expected), found);
+  };
+  while (!in_vectors && lines.next(line)) {
+    const std::string_view key = takeWord(line);
+    std::string_view value_words = line;
+    const std::string_view value = takeWord(value_words);
+    if (key == "svm_type") requireWord(value, "c_svc");
+    if (key == "kernel_type") requireWord(value, "rbf");
+    if (key == "nr_class") requireWord(value, "2");
+    if (key == "gamma") svm.gamma_ = toNumber<double>(lines, value);
+    if (key == "rho") svm.rho_ = toNumber<double>(lines, value);
+    if (key == "total_sv") total = toNumber<std::size_t>(lines, value);
+    if (key == "probA") svm.prob_a_ = toNumber<double>(lines, value), has_probability = true;
+    if (key == "probB") svm.prob_b_ = toNumber<double>(lines, value);
+    if (key == "label") svm.first_label_is_object_ = toNumber<int>(lines, value) == 1, has_label = true;
+    in_vectors = key == "SV";
+  }
+  if (!in_vectors || !has_label || !has_probability || !(svm.gamma_ > 0.0)) {
+    lines.complain("the header of an RBF classifier with probabilities", line);
+  }
+  std::vector<std::pair<std::size_t, double>> entries;  // row * 2^32 + column, value
+  while (lines.next(line)) {
+    const std::string_view coefficient = takeWord(line);
+    if (coefficient.empty()) continue;
+    const std::size_t row = svm.coefficients_.size();
+    svm.coefficients_.push_back(toNumber<double>(lines, coefficient));
+    for (std::string_view word = takeWord(line); !word.empty(); word = takeWord(line)) {
+      const std::size_t colon = word.find(':');
+      if (colon == std::string_view::npos) lines.complain("INDEX:VALUE", word);
+      const auto index = toNumber<std::size_t>(lines, word.substr(0, colon));
+      if (index < 1 || index > 4096) lines.complain("an index from 1 to 4096", word);
+      entries.emplace_back(row << 32 | (index - 1), toNumber<double>(lines, word.substr(colon + 1)));
+      svm.dimension_ = std::max(svm.dimension_, index);
+    }
+  }
+  if (svm.coefficients_.empty() || svm.coefficients_.size() != total) {
+    lines.complain(std::to_string(total) + " support vectors", std::to_string(svm.coefficients_.size()));
+  }
+  svm.vectors_.assign(svm.coefficients_.size() * svm.dimension_, 0.0);
+  for (const auto& [place, value] : entries) {
+    svm.vectors_[(place >> 32) * svm.dimension_ + (place & 0xFFFFFFFFU)] = value;
+  }
+  return svm;
+}
+
+void Svm::predict(std::span<const float> rows, std::size_t count, std::span<double> probability) const {
+  if (rows.size() < count * dimension_ || probability.size() < count) {
+    throw std::invalid_argument("Svm::predict: " + std::to_string(count) + " rows of " + std::to_string(dimension_) +
+                                " values announced, " + std::to_string(rows.size()) + " values given");
+  }
+  constexpr double kSmallest = 1e-7;  // LIBSVM keeps pairwise probabilities this far from 0 and 1
+  std::vector<double> columns(dimension_ * kLanes, 0.0);
+  std::array<double, kLanes> decision{};
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t lanes = std::min(kLanes, count - first);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      for (std::size_t d = 0; d < dimension_; ++d) {
+        columns[d * kLanes + lane] = static_cast<double>(rows[(first + lane) * dimension_ + d]);
+      }
+    }
+    decide(columns.data(), vectors_.data(), coefficients_.data(), coefficients_.size(), dimension_, gamma_,
+           decision.data());
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const double pairwise = sigmoid(decision[lane] - rho_, prob_a_, prob_b_);
+      const double first_class = couple(std::clamp(pairwise, kSmallest, 1.0 - kSmallest));
+      probability[first + lane] = first_label_is_object_ ? first_class : 1.0 - first_class;
+    }
+  }
+}
+
+}  // namespace saccade
