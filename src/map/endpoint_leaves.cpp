@@ -11,16 +11,25 @@ namespace {
 
 constexpr std::int64_t kKeySpace = 65536;
 
-/// Leaves of one row's points: floor(origin + depth * (start + u * step)) per axis. Points lie inside the cube, so
-/// that the numbers are positive and truncation is floor.
+/// A pixel without a point, in the place of a place.
+constexpr std::uint64_t kNoPlace = ~std::uint64_t{0};
+
+/// Leaves of one row's points, floor(origin + depth * (start + u * step)) per axis, as x | y << 21 | z << 42. Points
+/// lie inside the cube, so that the numbers are positive and truncation is floor.
 SACCADE_MULTIVERSION void placeRow(const float* depth, int width, const float* origin, const float* start,
-                                   const float* step, std::int32_t* x, std::int32_t* y, std::int32_t* z) {
+                                   const float* step, std::uint64_t* place) {
+  const float ox = origin[0], oy = origin[1], oz = origin[2];
+  const float ax = start[0], ay = start[1], az = start[2];
+  const float bx = step[0], by = step[1], bz = step[2];
   for (int u = 0; u < width; ++u) {
     const float d = depth[u];
     const auto fu = static_cast<float>(u);
-    x[u] = static_cast<std::int32_t>(origin[0] + d * (start[0] + fu * step[0]));
-    y[u] = static_cast<std::int32_t>(origin[1] + d * (start[1] + fu * step[1]));
-    z[u] = static_cast<std::int32_t>(origin[2] + d * (start[2] + fu * step[2]));
+    const auto x = static_cast<std::uint32_t>(static_cast<std::int32_t>(ox + d * (ax + fu * bx)));
+    const auto y = static_cast<std::uint32_t>(static_cast<std::int32_t>(oy + d * (ay + fu * by)));
+    const auto z = static_cast<std::uint32_t>(static_cast<std::int32_t>(oz + d * (az + fu * bz)));
+    const std::uint64_t p =
+        static_cast<std::uint64_t>(x) | static_cast<std::uint64_t>(y) << 21 | static_cast<std::uint64_t>(z) << 42;
+    place[u] = d > 0.0f ? p : kNoPlace;
   }
 }
 
@@ -62,56 +71,53 @@ void EndpointLeaves::collect(const WorkingDepth& depth, const PinholeCamera& cam
   points_ = dropped_ = 0;
   cache_.assign(kCacheSize, Cached{});
   const int width = depth.width();
-  x_.resize(static_cast<std::size_t>(width));
-  y_.resize(x_.size());
-  z_.resize(x_.size());
+  places_.resize(static_cast<std::size_t>(width) + 1);
+  places_.back() = kNoPlace;  // ends the last run of every row
   const Eigen::Vector3f step = (R_WC.col(0) / camera.fx).cast<float>();
   for (int v = 0; v < depth.height(); ++v) {
     const Eigen::Vector3f start = (R_WC * camera.unproject(0.0, v, 1.0)).cast<float>();
-    placeRow(depth.row(v), width, cube.camera_leaves.data(), start.data(), step.data(), x_.data(), y_.data(),
-             z_.data());
-    addRow(v, depth.row(v), width, color.empty() ? nullptr : color[v]);
+    placeRow(depth.row(v), width, cube.camera_leaves.data(), start.data(), step.data(), places_.data());
+    addRow(v, width, color.empty() ? nullptr : color[v]);
   }
   sortAndMerge(3 * (cube.block_bits + 1));
 }
 
-void EndpointLeaves::addRow(int v, const float* depth, int width, const cv::Vec3b* color) {
-  std::uint64_t last_place = ~std::uint64_t{0};
-  Seen* last = nullptr;
-  for (int u = 0; u < width; ++u) {
-    if (depth[u] == 0.0f) continue;
-    ++points_;
-    const auto x = static_cast<std::uint32_t>(x_[static_cast<std::size_t>(u)]);
-    const auto y = static_cast<std::uint32_t>(y_[static_cast<std::size_t>(u)]);
-    const auto z = static_cast<std::uint32_t>(z_[static_cast<std::size_t>(u)]);
-    const std::uint64_t place =
-        static_cast<std::uint64_t>(x) | static_cast<std::uint64_t>(y) << 21 | static_cast<std::uint64_t>(z) << 42;
-    if (place != last_place) {
-      last_place = place;
-      const std::int64_t key[3] = {cube_.base[0] + x, cube_.base[1] + y, cube_.base[2] + z};
-      if (std::any_of(key, key + 3, [](std::int64_t k) { return k < 0 || k >= kKeySpace; })) {
-        last = nullptr;
-      } else {
-        Cached& cached = cache_[(x * 73u + y * 1031u + z * 16411u) % kCacheSize];
-        if (cached.place != place) {  // seen for the first time, or so long ago that the merge must find it
-          cached = {place, static_cast<std::uint32_t>(seen_.size())};
-          hits_.push_back({mortonCode(x, y, z), cached.seen});
-          seen_.push_back({0, 0, 0, 0, static_cast<std::uint32_t>(v * width + u), x, y, z});
-        }
-        last = &seen_[cached.seen];
-      }
+void EndpointLeaves::addRow(int v, int width, const cv::Vec3b* color) {
+  for (int u = 0; u < width;) {
+    const std::uint64_t place = places_[static_cast<std::size_t>(u)];
+    const int first = u;
+    while (places_[static_cast<std::size_t>(++u)] == place && u < width) {
     }
-    if (last == nullptr) {
-      ++dropped_;
+    if (place == kNoPlace) continue;
+    const auto pixels = static_cast<std::uint32_t>(u - first);
+    points_ += u - first;
+    Seen* seen = find(place, static_cast<std::uint32_t>(v * width + first));
+    if (seen == nullptr) {
+      dropped_ += u - first;
       continue;
     }
-    ++last->pixels;
-    if (color != nullptr) {
-      last->blue += color[u][0];
-      last->green += color[u][1];
-      last->red += color[u][2];
+    seen->pixels += pixels;
+    for (int c = first; color != nullptr && c < u; ++c) {
+      seen->blue += color[c][0];
+      seen->green += color[c][1];
+      seen->red += color[c][2];
     }
   }
+}
+
+EndpointLeaves::Seen* EndpointLeaves::find(std::uint64_t place, std::uint32_t pixel) {
+  const auto x = static_cast<std::uint32_t>(place & 0x1FFFFF), y = static_cast<std::uint32_t>(place >> 21 & 0x1FFFFF);
+  const auto z = static_cast<std::uint32_t>(place >> 42);
+  Cached& cached = cache_[(x * 73u + y * 1031u + z * 16411u) % kCacheSize];
+  if (cached.place != place) {  // new, or so long ago that the merge must find it
+    for (const std::int64_t k : {cube_.base[0] + x, cube_.base[1] + y, cube_.base[2] + z}) {
+      if (k < 0 || k >= kKeySpace) return nullptr;
+    }
+    cached = {place, static_cast<std::uint32_t>(seen_.size())};
+    hits_.push_back({mortonCode(x, y, z), cached.seen});
+    seen_.push_back({0, 0, 0, 0, pixel, x, y, z});
+  }
+  return &seen_[cached.seen];
 }
 
 void EndpointLeaves::sortAndMerge(int bits) {

@@ -59,7 +59,8 @@ class EndpointLeaves {
   [[nodiscard]] int droppedPoints() const { return dropped_; }
 
  private:
-  void addRow(int v, const float* depth, int width, const cv::Vec3b* color);
+  void addRow(int v, int width, const cv::Vec3b* color);
+  Seen* find(std::uint64_t place, std::uint32_t pixel);
   void sortAndMerge(int bits);
 
   struct Cached {
@@ -72,7 +73,7 @@ class EndpointLeaves {
   std::vector<Hit> hits_, sorted_;
   std::vector<Seen> seen_;
   std::vector<Cached> cache_;
-  std::vector<std::int32_t> x_, y_, z_;  // one row
+  std::vector<std::uint64_t> places_;  // one row
   int points_ = 0, dropped_ = 0;
 };
 

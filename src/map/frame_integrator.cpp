@@ -64,19 +64,11 @@ std::size_t countOfChild(std::span<const EndpointLeaves::Hit> hits, unsigned i, 
   return static_cast<std::size_t>(end - hits.begin());
 }
 
-/// Whether a ray crosses the leaf with the lowest corner `low`, seen from the camera, before the ray's end.
-bool anyRayCrosses(std::span<const RayPyramid::Ray> rays, const float* low) {
-  for (const RayPyramid::Ray& ray : rays) {
-    float enter = 0.0f, leave = 1.0f;
-    for (int axis = 0; axis < 3; ++axis) {
-      const float a = low[axis] * ray.inverse[axis];
-      const float b = a + ray.inverse[axis];
-      enter = std::max(enter, std::min(a, b));
-      leave = std::min(leave, std::max(a, b));
-    }
-    if (enter < leave) return true;
-  }
-  return false;
+/// Starts loading the children of a node: a descent that waits for each family waits most of its time.
+void prefetchFamily(const IorOcTreeNode* node) {
+  if (node->isLeaf()) return;
+  const auto* first = reinterpret_cast<const std::byte*>(node->child(0));
+  for (std::size_t offset = 0; offset < 8 * NodeLayout::kNodeBytes; offset += 64) __builtin_prefetch(first + offset);
 }
 
 std::uint8_t blend(std::uint8_t mean, std::uint32_t sum, std::uint32_t pixels, int memory) {
@@ -212,9 +204,13 @@ bool FrameIntegrator::updateChildren(IorOcTreeNode* node, const Place& place, Hi
                                {R_CW_(0, 0), R_CW_(0, 1), R_CW_(0, 2), R_CW_(1, 0), R_CW_(1, 1), R_CW_(1, 2),
                                 R_CW_(2, 0), R_CW_(2, 1), R_CW_(2, 2)},
                                planes_};
-  const int depth = place.depth + 1;
+  const int depth = place.depth + 1;  // of the children; the finest ones are never reached here
   SiblingBounds bounds;
   boundSiblings(camera, siblings_[static_cast<std::size_t>(depth)], place.cx, place.cy, place.cz, bounds);
+  for (unsigned mask = node->childMask(); mask != 0; mask &= mask - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(mask));
+    if (bounds.outside[i] == 0) prefetchFamily(node->child(i));
+  }
   bool changed = false;
   for (unsigned i = 0; i < 8; ++i) {
     const std::size_t n = countOfChild(hits, i, kFinest - depth);
@@ -222,8 +218,8 @@ bool FrameIntegrator::updateChildren(IorOcTreeNode* node, const Place& place, Hi
     hits = hits.subspan(n);
     if (mine.empty() && bounds.outside[i] != 0) continue;
     const Place child = childPlace(place, i);
-    changed |= depth == kFinest ? updateFinestChild(node, i, child, mine, bounds)
-                                : updateInnerChild(node, i, child, mine, bounds);
+    changed |= depth == kFinest - 1 ? updateFinestFamily(node, i, child, mine, bounds)
+                                    : updateInnerChild(node, i, child, mine, bounds);
   }
   if (!node->isLeaf()) refresh(node);
   return changed;
@@ -255,16 +251,59 @@ bool FrameIntegrator::updateInnerChild(IorOcTreeNode* node, unsigned i, const Pl
   return changed;
 }
 
-bool FrameIntegrator::updateFinestChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits,
-                                        const SiblingBounds& bounds) {
+bool FrameIntegrator::updateFinestFamily(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits,
+                                         const SiblingBounds& bounds) {
   const bool fresh = (node->childMask() >> i & 1u) == 0;
-  if (!hits.empty()) {
-    hit(fresh ? tree_->createNodeChild(node, i) : node->child(i), hits.front());
+  IorOcTreeNode* family = fresh ? nullptr : node->child(i);
+  const bool coarse = !fresh && family->isLeaf();
+  unsigned hit_mask = 0, wanted = 0xFF;
+  for (const EndpointLeaves::Hit& hit : hits) hit_mask |= 1u << (hit.code & 7u);
+  if (coarse && family->getLogOdds() <= lowest_) {
+    if (hits.empty()) return false;
+    wanted = 0;
+  } else if (hits.empty()) {
+    const Sight sight = sightOf(bounds, i);
+    if (sight == Sight::kHidden) return false;
+    if (sight == Sight::kFree) {
+      if (!fresh) return freeSubtree(family, place);
+      miss(tree_->createNodeChild(node, i), place);
+      return true;
+    }
+  }
+  wanted &= ~hit_mask;
+  if (!fresh && !coarse) {
+    for (unsigned mask = family->childMask() & wanted; mask != 0; mask &= mask - 1) {
+      const auto k = static_cast<unsigned>(std::countr_zero(mask));
+      if (family->child(k)->getLogOdds() <= lowest_) wanted &= ~(1u << k);
+    }
+  }
+  const unsigned missed = wanted != 0 ? passedLeaves(bounds, i, place, wanted) : 0;
+  if ((missed | hit_mask) == 0) return false;
+  if (fresh) family = tree_->createNodeChild(node, i);
+  if (missed == 0xFF && (fresh || coarse)) {  // all the same: stays one leaf
+    miss(family, place);
     return true;
   }
-  if (!fresh && node->child(i)->getLogOdds() <= lowest_) return false;
-  if (!isPassed(bounds, i, place)) return false;
-  miss(fresh ? tree_->createNodeChild(node, i) : node->child(i), place);
+  if (coarse) {
+    tree_->expandNode(family);
+  } else if (fresh) {
+    tree_->createFamily(family, missed | hit_mask);
+  }
+  return applyToFinest(family, place, hits, missed);
+}
+
+bool FrameIntegrator::applyToFinest(IorOcTreeNode* node, const Place& place, Hits hits, unsigned missed) {
+  for (const EndpointLeaves::Hit& endpoint : hits) {
+    const auto k = static_cast<unsigned>(endpoint.code & 7u);
+    const bool fresh = (node->childMask() >> k & 1u) == 0;
+    hit(fresh ? tree_->createInFamily(node, k) : node->child(k), endpoint);
+  }
+  for (; missed != 0; missed &= missed - 1) {
+    const auto k = static_cast<unsigned>(std::countr_zero(missed));
+    const bool fresh = (node->childMask() >> k & 1u) == 0;
+    miss(fresh ? tree_->createInFamily(node, k) : node->child(k), childPlace(place, k));
+  }
+  refresh(node);
   return true;
 }
 
@@ -302,17 +341,14 @@ FrameIntegrator::Sight FrameIntegrator::sightOf(const SiblingBounds& bounds, uns
   return !box.clipped && range.lowest > z_far ? Sight::kFree : Sight::kMixed;
 }
 
-bool FrameIntegrator::isPassed(const SiblingBounds& bounds, unsigned i, const Place& leaf) const {
-  const float low[3] = {static_cast<float>(leaf.x) - cube_.camera_leaves.x(),
-                        static_cast<float>(leaf.y) - cube_.camera_leaves.y(),
-                        static_cast<float>(leaf.z) - cube_.camera_leaves.z()};
-  if (bounds.z_near[i] <= kNoBound) return anyRayCrosses(rays_.rays(), low);
+unsigned FrameIntegrator::passedLeaves(const SiblingBounds& bounds, unsigned i, const Place& family,
+                                       unsigned wanted) const {
+  const float low[3] = {static_cast<float>(family.x) - cube_.camera_leaves.x(),
+                        static_cast<float>(family.y) - cube_.camera_leaves.y(),
+                        static_cast<float>(family.z) - cube_.camera_leaves.z()};
+  if (bounds.z_near[i] <= kNoBound) return rays_.crossedLeaves(low, wanted);
   const RayPyramid::Box box = rays_.box(bounds.u[i], bounds.v[i], bounds.du[i], bounds.dv[i]);
-  if (box.empty() || rays_.range(box).highest <= bounds.z_near[i]) return false;
-  for (int y = box.y0; y <= box.y1; ++y) {
-    if (anyRayCrosses(rays_.rays(y, box.x0, box.x1), low)) return true;
-  }
-  return false;
+  return box.empty() ? 0 : rays_.crossedLeaves(box, low, wanted);
 }
 
 FrameIntegrator::Place FrameIntegrator::childPlace(const Place& place, unsigned i) const {

@@ -64,12 +64,14 @@ class FrameIntegrator {
                       Hits hits);
   bool updateChildren(IorOcTreeNode* node, const Place& place, Hits hits);
   bool updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits, const SiblingBounds& bounds);
-  bool updateFinestChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits, const SiblingBounds& bounds);
+  bool updateFinestFamily(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits, const SiblingBounds& bounds);
+  bool applyToFinest(IorOcTreeNode* node, const Place& place, Hits hits, unsigned missed);
   bool freeSubtree(IorOcTreeNode* node, const Place& place);
   void refresh(IorOcTreeNode* node);
 
   [[nodiscard]] Sight sightOf(const SiblingBounds& bounds, unsigned i) const;
-  [[nodiscard]] bool isPassed(const SiblingBounds& bounds, unsigned i, const Place& leaf) const;
+  [[nodiscard]] unsigned passedLeaves(const SiblingBounds& bounds, unsigned i, const Place& family,
+                                      unsigned wanted) const;
   [[nodiscard]] Place childPlace(const Place& place, unsigned i) const;
 
   void hit(IorOcTreeNode* leaf, const EndpointLeaves::Hit& seen);

@@ -1,6 +1,9 @@
 #include "map/ray_pyramid.hpp"
 
 #include <cmath>
+#include <limits>
+
+#include "saccade/core/multiversion.hpp"
 
 namespace saccade {
 namespace {
@@ -13,7 +16,64 @@ float inverseOf(float component) {
   return 1.0f / (std::fabs(component) < kSmallest ? std::copysign(kSmallest, component) : component);
 }
 
+/// Rays tested together: a row of the box is rounded up to these, with rays of the cells beside it.
+constexpr std::size_t kBatch = 8;
+
+/// Bits of the family's leaves that one of the rays of some rows crosses: per axis the shares of the ray's length at
+/// which it enters and leaves the lower and the upper half, then the eight combinations. Row y holds the rays from
+/// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches. Stops when all `wanted` are crossed.
+SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, const float* all_z,
+                                        const std::uint32_t* first, const std::uint32_t* last, std::size_t rows,
+                                        std::size_t stride, const float* low, unsigned wanted) {
+  const float low_x = low[0], low_y = low[1], low_z = low[2];
+  unsigned crossed_by_any = 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::uint32_t begin = first[row * stride], end = last[row * stride];
+    const float *ix = all_x + begin, *iy = all_y + begin, *iz = all_z + begin;
+    const std::size_t n = (end - begin + kBatch - 1) / kBatch * kBatch;
+    unsigned crossed = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const float x0 = low_x * ix[k], x1 = x0 + ix[k], x2 = x1 + ix[k];
+      const float y0 = low_y * iy[k], y1 = y0 + iy[k], y2 = y1 + iy[k];
+      const float z0 = low_z * iz[k], z1 = z0 + iz[k], z2 = z1 + iz[k];
+      const float in_x0 = std::max(std::min(x0, x1), 0.0f), in_x1 = std::max(std::min(x1, x2), 0.0f);
+      const float out_x0 = std::min(std::max(x0, x1), 1.0f), out_x1 = std::min(std::max(x1, x2), 1.0f);
+      const float in_y0 = std::min(y0, y1), in_y1 = std::min(y1, y2);
+      const float out_y0 = std::max(y0, y1), out_y1 = std::max(y1, y2);
+      const float in_z0 = std::min(z0, z1), in_z1 = std::min(z1, z2);
+      const float out_z0 = std::max(z0, z1), out_z1 = std::max(z1, z2);
+      const float in_00 = std::max(in_x0, in_y0), in_10 = std::max(in_x1, in_y0);
+      const float in_01 = std::max(in_x0, in_y1), in_11 = std::max(in_x1, in_y1);
+      const float out_00 = std::min(out_x0, out_y0), out_10 = std::min(out_x1, out_y0);
+      const float out_01 = std::min(out_x0, out_y1), out_11 = std::min(out_x1, out_y1);
+      crossed |= (std::max(in_00, in_z0) < std::min(out_00, out_z0) ? 1u : 0u) |
+                 (std::max(in_10, in_z0) < std::min(out_10, out_z0) ? 2u : 0u) |
+                 (std::max(in_01, in_z0) < std::min(out_01, out_z0) ? 4u : 0u) |
+                 (std::max(in_11, in_z0) < std::min(out_11, out_z0) ? 8u : 0u) |
+                 (std::max(in_00, in_z1) < std::min(out_00, out_z1) ? 16u : 0u) |
+                 (std::max(in_10, in_z1) < std::min(out_10, out_z1) ? 32u : 0u) |
+                 (std::max(in_01, in_z1) < std::min(out_01, out_z1) ? 64u : 0u) |
+                 (std::max(in_11, in_z1) < std::min(out_11, out_z1) ? 128u : 0u);
+    }
+    crossed_by_any |= crossed;
+    if ((crossed_by_any & wanted) == wanted) break;
+  }
+  return crossed_by_any & wanted;
+}
+
 }  // namespace
+
+unsigned RayPyramid::crossedLeaves(const Box& box, const float* low, unsigned wanted) const {
+  const std::size_t row = static_cast<std::size_t>(box.y0) * static_cast<std::size_t>(width_);
+  const std::uint32_t* starts = &starts_[row];
+  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), starts + box.x0, starts + box.x1 + 1,
+                   static_cast<std::size_t>(box.y1 - box.y0) + 1, static_cast<std::size_t>(width_), low, wanted);
+}
+
+unsigned RayPyramid::crossedLeaves(const float* low, unsigned wanted) const {
+  const std::uint32_t begin = 0, end = static_cast<std::uint32_t>(ray_count_);
+  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), &begin, &end, 1, 0, low, wanted);
+}
 
 void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& depth, const PinholeCamera& camera,
                        const Eigen::Matrix3f& R_CW, const FrameCube& cube) {
@@ -64,13 +124,20 @@ void RayPyramid::projectRays(const EndpointLeaves& endpoints, const PinholeCamer
     const float y = std::clamp(fy * p.y() / z + cy, 0.0f, static_cast<float>(height_) - 1.0f);
     const std::uint32_t cell =
         static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width_) + static_cast<std::uint32_t>(x);
-    projected_.push_back({cell, z, {inverseOf(d.x()), inverseOf(d.y()), inverseOf(d.z())}});
+    projected_.push_back({cell, {inverseOf(d.x()), inverseOf(d.y()), inverseOf(d.z())}});
     ++starts_[cell + 1];
     levels_[0].blocks[cell].highest = std::max(levels_[0].blocks[cell].highest, z);
   }
   for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
-  rays_.resize(projected_.size());
-  for (const Projected& p : projected_) rays_[starts_[p.cell]++] = p.ray;  // moves every start to its end
+  ray_count_ = projected_.size();
+  constexpr float kNever = std::numeric_limits<float>::quiet_NaN();
+  for (auto* inverse : {&inverse_x_, &inverse_y_, &inverse_z_}) inverse->assign(ray_count_ + kBatch, kNever);
+  for (const Projected& p : projected_) {
+    const std::uint32_t i = starts_[p.cell]++;  // moves every start to its end
+    inverse_x_[i] = p.inverse[0];
+    inverse_y_[i] = p.inverse[1];
+    inverse_z_[i] = p.inverse[2];
+  }
   for (std::size_t i = starts_.size() - 1; i > 0; --i) starts_[i] = starts_[i - 1];
   starts_[0] = 0;
 }

@@ -20,11 +20,6 @@ namespace saccade {
 /// outside. Depths and lengths are in leaves.
 class RayPyramid {
  public:
-  /// From the camera to the centre of an endpoint's leaf: inverse of the vector, so that a point of the ray at the
-  /// share t of its length has t = (p - camera) * inverse along each axis.
-  struct Ray {
-    float inverse[3];
-  };
   struct Range {
     float lowest;   ///< smallest depth of a pixel; 0 if one has no measurement or lies outside the image
     float highest;  ///< largest depth of a ray's end; 0 if there is no ray
@@ -70,14 +65,12 @@ class RayPyramid {
     return r;
   }
 
-  /// Rays through the cells x0..x1 of row y: neighbours lie side by side in memory.
-  [[nodiscard]] std::span<const Ray> rays(int y, int x0, int x1) const {
-    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
-    const std::uint32_t first = starts_[row + static_cast<std::size_t>(x0)];
-    const std::uint32_t last = starts_[row + static_cast<std::size_t>(x1) + 1];
-    return {rays_.data() + first, last - first};
-  }
-  [[nodiscard]] std::span<const Ray> rays() const { return rays_; }
+  /// Which of `wanted` of the eight finest leaves of a family some ray crosses before its end, as bits by child number.
+  /// `low` is the family's lowest corner from the camera, in leaves; `box` holds its projection. Rays of cells beside
+  /// the box may be tested too: a ray that crosses, crosses.
+  [[nodiscard]] unsigned crossedLeaves(const Box& box, const float* low, unsigned wanted) const;
+  /// The same over all rays, for a family too close to the camera to have a box.
+  [[nodiscard]] unsigned crossedLeaves(const float* low, unsigned wanted) const;
 
  private:
   struct Level {
@@ -86,8 +79,7 @@ class RayPyramid {
   };
   struct Projected {
     std::uint32_t cell;
-    float z;
-    Ray ray;
+    float inverse[3];
   };
 
   void projectRays(const EndpointLeaves& endpoints, const PinholeCamera& camera, const Eigen::Matrix3f& R_CW,
@@ -97,7 +89,10 @@ class RayPyramid {
 
   int width_ = 0, height_ = 0, margin_ = 0;  // cells
   std::vector<std::uint32_t> starts_;        // first ray of each cell, and the end
-  std::vector<Ray> rays_;
+  // Of each ray the inverse of the vector from the camera to its end, so that a point of it at the share t of its
+  // length has t = (p - camera) * inverse along each axis. By cells, and then padding that crosses nothing.
+  std::vector<float> inverse_x_, inverse_y_, inverse_z_;
+  std::size_t ray_count_ = 0;
   std::vector<Projected> projected_;
   std::vector<Level> levels_;
 };
