@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "saccade/core/errors.hpp"
+#include "saccade/simulation/simulated_source.hpp"
 #include "sources/frame_list.hpp"
 
 namespace saccade {
@@ -77,6 +78,10 @@ std::unique_ptr<FrameSource> openSource(const std::string& input, const FrameRan
   if (range.first < 0 || range.step < 1) {
     throw std::invalid_argument("frame range: expected first >= 0 and step >= 1, found " + std::to_string(range.first) +
                                 " and " + std::to_string(range.step));
+  }
+  if (SimulationRequest::matches(input)) {
+    if (!labels.empty()) throw IoError(labels, "no label folder beside a simulated scene, which has its own", "one");
+    return openSimulation(SimulationRequest::parse(input), range);
   }
   const std::filesystem::path folder(input);
   std::error_code error;

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "saccade/core/config_fields.hpp"
+#include "saccade/simulation/scene_renderer.hpp"
+
+namespace saccade {
+
+struct SensorNoiseConfig {
+  double strength = 1.0;      ///< factor on all noise; 0 = an ideal sensor
+  double focal_px = 570.0;    ///< of the simulated depth sensor
+  double baseline_m = 0.075;  ///< between its projector and its camera
+  double disparity_step_px = 0.125;
+  double nearest_m = 0.4;    ///< no depth below
+  double farthest_m = 6.0;   ///< no depth beyond
+  double color_sigma = 2.0;  ///< grey levels
+
+  void describe(ConfigVisitor& visitor);
+};
+
+/// Makes exact images look like a Kinect's: axial noise that grows with the square of the distance
+/// (1.2 mm + 1.9 mm/m² (z - 0.4 m)², Nguyen et al. 2012), disparity steps, the projector's shadow to the left of
+/// things, ragged depth edges with dropouts, dropouts where a surface is seen at a grazing angle, and grey-level noise
+/// in colour.
+///
+/// Every random number is a hash of (seed, frame, pixel): the same at any order of frames. One instance per thread.
+class SensorNoise {
+ public:
+  using Config = SensorNoiseConfig;
+
+  explicit SensorNoise(std::uint64_t seed, const Config& config = {});
+
+  /// Changes `color` and `depth_m` in place; strength 0 changes nothing, not even the range.
+  void apply(std::int64_t frame, SceneImages& images);
+
+ private:
+  void applyToDepth(std::uint64_t stream, SceneImages& images);
+  void markShadows(int row);
+  void applyToColor(std::uint64_t stream, cv::Mat3b& color) const;
+
+  std::uint64_t seed_;
+  Config config_;
+  cv::Mat1f exact_;
+  std::vector<bool> in_shadow_;
+};
+
+}  // namespace saccade

@@ -1,0 +1,207 @@
+#include "saccade/simulation/simulated_source.hpp"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "saccade/core/errors.hpp"
+#include "saccade/simulation/scene_renderer.hpp"
+#include "saccade/simulation/sensor_noise.hpp"
+
+namespace saccade {
+namespace {
+
+RgbdFrame readOnly(const std::string& uri, std::int64_t index) {
+  const auto source = openSource(uri, FrameRange{index, index + 1, 1});
+  RgbdFrame frame;
+  EXPECT_EQ(source->read(frame), ReadStatus::kFrame);
+  RgbdFrame rest;
+  EXPECT_EQ(source->read(rest), ReadStatus::kEnd);
+  return frame;
+}
+
+bool sameBytes(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && std::equal(a.datastart, a.dataend, b.datastart, b.dataend);
+}
+
+TEST(SimulatedSource, OneFramesDepthFallsOnTheOthers) {
+  const RgbdFrame a = readOnly("sim:desk?noise=0&seed=2", 10), b = readOnly("sim:desk?noise=0&seed=2", 35);
+  const PinholeCamera camera = simulatedCamera();
+  const Pose T_BA = b.T_WC->inverse() * *a.T_WC;
+  // Neighbouring pixels differ by the slope of the surface; planes are exact between pixels in inverse depth.
+  constexpr double kTolerance_m = 2e-5;
+  // Curved surfaces bend by less than this between neighbours.
+  constexpr double kBend_m = 1e-3;
+  int agree = 0, hidden = 0, wrong = 0;
+  for (int v = 0; v < camera.height; v += 2) {
+    for (int u = 0; u < camera.width; u += 2) {
+      const Eigen::Vector3d p_B = T_BA * camera.unproject(u, v, a.depth_m(v, u));
+      const Eigen::Vector2d q = camera.project(p_B);
+      const int x = static_cast<int>(std::floor(q.x())), y = static_cast<int>(std::floor(q.y()));
+      if (x < 0 || y < 0 || x + 1 >= camera.width || y + 1 >= camera.height) continue;
+      const double s = q.x() - x, t = q.y() - y;
+      const double w00 = 1 / b.depth_m(y, x), w10 = 1 / b.depth_m(y, x + 1), w01 = 1 / b.depth_m(y + 1, x),
+                   w11 = 1 / b.depth_m(y + 1, x + 1);
+      const auto [low, high] = std::minmax({w00, w10, w01, w11});
+      if (std::abs(w00 + w11 - w10 - w01) > 1e-6 || high - low > 0.004) continue;  // an edge or a curved surface
+      const double expected = 1 / ((1 - t) * ((1 - s) * w00 + s * w10) + t * ((1 - s) * w01 + s * w11));
+      if (std::abs(p_B.z() - expected) < kTolerance_m) {
+        ++agree;
+      } else if (p_B.z() > expected + kBend_m) {
+        ++hidden;  // something stands before it in the other view
+      } else if (p_B.z() < expected - kBend_m) {
+        ++wrong;  // it would float in the free space that the other frame saw
+      }
+    }
+  }
+  EXPECT_GT(agree, 20000);
+  EXPECT_LT(hidden, agree / 5);
+  EXPECT_LT(wrong, agree / 1000) << "beyond the steps that are lower than kBend_m suggests, such as a poster's rim";
+}
+
+TEST(SimulatedSource, GivesTheSameBytesForTheSameSeedWhateverTheRange) {
+  const auto all = openSource("sim:desk?seed=5&frames=4");
+  RgbdFrame frame;
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_EQ(all->read(frame), ReadStatus::kFrame);
+    const RgbdFrame alone = readOnly("sim:desk?seed=5", i);
+    EXPECT_EQ(frame.name, alone.name);
+    EXPECT_EQ(frame.index, alone.index);
+    EXPECT_TRUE(sameBytes(frame.color, alone.color));
+    EXPECT_TRUE(sameBytes(frame.depth_m, alone.depth_m));
+    EXPECT_TRUE(sameBytes(frame.label, alone.label));
+    EXPECT_EQ(frame.T_WC->matrix(), alone.T_WC->matrix());
+  }
+  EXPECT_EQ(all->read(frame), ReadStatus::kEnd);
+  const RgbdFrame other = readOnly("sim:desk?seed=6", 0), same = readOnly("sim:desk?seed=5", 0);
+  EXPECT_FALSE(sameBytes(other.color, same.color));
+  EXPECT_FALSE(sameBytes(other.label, same.label)) << "the objects stand elsewhere";
+}
+
+TEST(SimulatedSource, DescribesItself) {
+  const auto source = openSource("sim:desk?frames=50&noise=0", FrameRange::parse("10:40:7"));
+  const SourceDescription& description = source->description();
+  EXPECT_EQ(description.kind, "simulated scene");
+  EXPECT_EQ(description.frames, 5);
+  EXPECT_EQ(description.total_frames, 50);
+  EXPECT_EQ(description.camera.width, 640);
+  EXPECT_TRUE(description.has_depth && description.has_poses && description.has_labels);
+  RgbdFrame frame;
+  ASSERT_EQ(source->read(frame), ReadStatus::kFrame);
+  EXPECT_EQ(frame.name, "desk-000010");
+  EXPECT_DOUBLE_EQ(frame.stamp_s, 10 / 30.0);
+  int frames = 1;
+  while (source->read(frame) == ReadStatus::kFrame) ++frames;
+  EXPECT_EQ(frames, 5);
+}
+
+TEST(SimulatedSource, RefusesWhatItDoesNotKnow) {
+  for (const char* bad :
+       {"sim:", "sim:moon", "sim:desk?speed=3", "sim:desk?frames=0", "sim:desk?frames=ten", "sim:desk?noise=-1",
+        "sim:desk?noise=nan", "sim:desk?seed=", "sim:desk?seed", "sim:desk?seed=-1"}) {
+    EXPECT_THROW((void)openSource(bad), IoError) << bad;
+  }
+  EXPECT_THROW((void)openSource("sim:desk?frames=5", FrameRange::parse("5:")), IoError);
+  EXPECT_THROW((void)openSource("sim:desk", {}, "labels"), IoError);
+  EXPECT_EQ(openSource("sim:desk?seed=18446744073709551615&frames=1&noise=0.5")->description().frames, 1);
+}
+
+TEST(DeskScene, ShowsADozenObjectsInEveryFrame) {
+  const PinholeCamera camera = simulatedCamera().reducedBy(4);
+  for (const std::uint64_t seed : {0, 1, 2}) {
+    const Scene scene = makeDeskScene(seed);
+    SceneRenderer renderer(scene, camera);
+    SceneImages images;
+    for (std::int64_t frame = 0; frame < 120; frame += 30) {
+      renderer.render(deskCameraPose(seed, frame), images);
+      std::set<int> ids(images.label.begin(), images.label.end());
+      EXPECT_GE(ids.size(), 12u) << "seed " << seed << ", frame " << frame;
+      EXPECT_TRUE(ids.contains(0));
+    }
+  }
+}
+
+TEST(DeskScene, MovesTheCameraByNoMoreThanTwoCentimetresAndOneAndAHalfDegrees) {
+  double travelled_m = 0;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    for (std::int64_t frame = 0; frame < 1000; ++frame) {
+      const Pose step = deskCameraPose(seed, frame).inverse() * deskCameraPose(seed, frame + 1);
+      ASSERT_LT(step.translation().norm(), 0.02) << "seed " << seed << ", frame " << frame;
+      ASSERT_LT(Eigen::AngleAxisd(step.linear()).angle(), 1.5 * M_PI / 180) << "seed " << seed << ", frame " << frame;
+      if (frame < 120) travelled_m += step.translation().norm() / 5;
+    }
+  }
+  EXPECT_GT(travelled_m, 0.5) << "the camera should see the desk from several sides";
+}
+
+/// Images of a wall that faces the camera.
+SceneImages wallAt(float z_m, float cosine) {
+  SceneImages images;
+  images.color = cv::Mat3b(240, 320, cv::Vec3b(100, 100, 100));
+  images.depth_m = cv::Mat1f(240, 320, z_m);
+  images.cosine = cv::Mat1f(240, 320, cosine);
+  images.label = cv::Mat1w(240, 320, static_cast<ushort>(0));
+  return images;
+}
+
+TEST(SensorNoise, GrowsWithTheSquareOfTheDistance) {
+  SensorNoise noise(1);
+  for (const float z : {0.8f, 1.5f, 3.0f}) {
+    SceneImages images = wallAt(z, 1.0f);
+    noise.apply(0, images);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(images.depth_m, mean, deviation);
+    const double sigma = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4);
+    EXPECT_NEAR(deviation[0], sigma, 0.15 * sigma) << z;  // the disparity step makes up for part of it
+    EXPECT_NEAR(mean[0], z, 0.1 * sigma) << z;
+    EXPECT_EQ(cv::countNonZero(images.depth_m), 240 * 320);
+  }
+}
+
+TEST(SensorNoise, QuantisesDisparity) {
+  SensorNoise noise(1);
+  SceneImages images = wallAt(3.0f, 1.0f);
+  noise.apply(0, images);
+  for (const float z : images.depth_m) {
+    const double steps = 570 * 0.075 * 8 / z;
+    ASSERT_NEAR(steps, std::round(steps), 1e-3);
+  }
+}
+
+TEST(SensorNoise, DropsGrazingSurfacesEdgesAndWhatIsOutOfRange) {
+  SensorNoise noise(1);
+  SceneImages grazing = wallAt(1.0f, 0.05f), near = wallAt(0.3f, 1.0f), far = wallAt(7.0f, 1.0f);
+  SceneImages edge = wallAt(2.0f, 1.0f);
+  edge.depth_m.colRange(0, 160) = 1.0f;
+  for (SceneImages* images : {&grazing, &near, &far, &edge}) noise.apply(0, *images);
+  EXPECT_LT(cv::countNonZero(grazing.depth_m), 240 * 320 / 2);
+  EXPECT_EQ(cv::countNonZero(near.depth_m), 0);
+  EXPECT_EQ(cv::countNonZero(far.depth_m), 0);
+  const int lost = 240 * 320 - cv::countNonZero(edge.depth_m);
+  EXPECT_GT(lost, 20);
+  EXPECT_LT(lost, 2 * 240) << "only along the edge";
+}
+
+TEST(SensorNoise, LeavesTheProjectorsShadowEmpty) {
+  SensorNoise noise(1);
+  SceneImages images = wallAt(2.0f, 1.0f);
+  images.depth_m.colRange(160, 320) = 1.0f;
+  noise.apply(0, images);
+  const int width_px = 21;  // 570 px * 0.075 m * (1/1 m - 1/2 m)
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 160 - width_px + 1; u < 158; ++u) ASSERT_EQ(images.depth_m(v, u), 0.0f) << u << ", " << v;
+    ASSERT_GT(images.depth_m(v, 160 - width_px - 2), 0.0f);
+  }
+}
+
+TEST(SensorNoise, OfStrengthZeroChangesNothing) {
+  SensorNoise noise(1, {.strength = 0.0});
+  SceneImages images = wallAt(7.0f, 0.01f);
+  noise.apply(3, images);
+  EXPECT_TRUE(sameBytes(images.depth_m, wallAt(7.0f, 0).depth_m));
+  EXPECT_TRUE(sameBytes(images.color, wallAt(7.0f, 0).color));
+}
+
+}  // namespace
+}  // namespace saccade
