@@ -4,10 +4,16 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "saccade/core/multiversion.hpp"
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace saccade {
 namespace {
@@ -25,24 +31,44 @@ SACCADE_MULTIVERSION void markCandidates(const float* above, const float* here, 
   }
 }
 
-/// Bytes 1 where low <= value <= high.
-SACCADE_MULTIVERSION void markRange(const float* values, float low, float high, std::uint8_t* marks) {
-  for (int i = 0; i < kWordBits; ++i) {
-    marks[i] = static_cast<std::uint8_t>((values[i] >= low) & (values[i] <= high));
-  }
-}
+#ifdef __SSE2__
 
-std::uint64_t packMarks(const std::uint8_t* marks) {
+/// Bit i tells whether low <= values[i] <= high, for 64 values.
+std::uint64_t rangeBits(const float* values, float low, float high) {
+  const __m128 lowest = _mm_set1_ps(low), highest = _mm_set1_ps(high);
+  const auto inRange = [&](const float* at) {
+    const __m128 v = _mm_loadu_ps(at);
+    return _mm_castps_si128(_mm_and_ps(_mm_cmpge_ps(v, lowest), _mm_cmple_ps(v, highest)));
+  };
   std::uint64_t word = 0;
-  for (int byte = 0; byte < kWordBits / 8; ++byte) {
-    std::uint64_t eight = 0;
-    for (int i = 7; i >= 0; --i) {
-      eight = eight << 8 | marks[8 * byte + i];
-    }
-    // The product gathers the eight lowest bits of the bytes in the highest byte, first byte in the lowest bit.
-    word |= (eight * 0x0102040810204080ULL >> 56) << (8 * byte);
+  for (int i = 0; i < kWordBits; i += 16) {
+    const float* at = values + i;
+    const __m128i first = _mm_packs_epi32(inRange(at), inRange(at + 4));
+    const __m128i second = _mm_packs_epi32(inRange(at + 8), inRange(at + 12));
+    const auto bits = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(first, second)));
+    word |= static_cast<std::uint64_t>(bits) << i;
   }
   return word;
+}
+
+#else
+
+std::uint64_t rangeBits(const float* values, float low, float high) {
+  std::uint64_t word = 0;
+  for (int i = 0; i < kWordBits; ++i) {
+    word |= static_cast<std::uint64_t>(values[i] >= low && values[i] <= high) << i;
+  }
+  return word;
+}
+
+#endif
+
+SACCADE_MULTIVERSION bool anyAbove(const float* values, int first, int end, float level) {
+  int count = 0;
+  for (int i = first; i < end; ++i) {
+    count += values[i] > level ? 1 : 0;
+  }
+  return count > 0;
 }
 
 /// True if the pixel is higher than all its neighbours and has some.
@@ -101,7 +127,10 @@ bool isHighestPlateau(const cv::Mat1f& map, cv::Point start, cv::Mat1b& done, st
 
 void BlobConfig::describe(ConfigVisitor& visitor) {
   visitor.numbers("thresholds", thresholds, {0.01, 0.99}, "", "shares of the seed's saliency that bound a blob");
+  visitor.number("min_prominence", min_prominence, {0.0, 1.0}, "",
+                 "height of a maximum over its highest pass to a higher place, less starts no blob");
   visitor.integer("min_area", min_area, {0, 1e9}, "px", "smaller blobs are left out");
+  visitor.number("max_area_share", max_area_share, {0.0, 1.0}, "", "of the image, larger blobs are left out");
 }
 
 std::vector<SaliencyMaximum> findLocalMaxima(const cv::Mat1f& saliency) {
@@ -161,6 +190,9 @@ const std::vector<SalientBlob>& BlobGrower::grow(const cv::Mat1f& saliency,
                                   std::to_string(saliency.rows) + ", found one at " +
                                   std::to_string(maximum.position.x) + ", " + std::to_string(maximum.position.y));
     }
+    if (!isProminent(saliency, maximum)) {
+      continue;
+    }
     for (const double threshold : config_.thresholds) {
       if (count == blobs_.size()) {
         blobs_.emplace_back();
@@ -175,31 +207,29 @@ const std::vector<SalientBlob>& BlobGrower::grow(const cv::Mat1f& saliency,
   return blobs_;
 }
 
+/// Floods the surroundings down to `min_prominence` below the maximum, until something higher is met.
+bool BlobGrower::isProminent(const cv::Mat1f& saliency, const SaliencyMaximum& maximum) {
+  if (config_.min_prominence <= 0.0) {
+    return true;
+  }
+  lowest_ = saliency(maximum.position) - static_cast<float>(config_.min_prominence);
+  highest_ = std::numeric_limits<float>::infinity();
+  stop_above_ = saliency(maximum.position);
+  most_area_ = std::numeric_limits<int>::max();
+  return flood(saliency, maximum.position, ground_);
+}
+
 void BlobGrower::growOne(const cv::Mat1f& saliency, const SaliencyMaximum& maximum, double threshold,
                          SalientBlob& blob) {
   blob.seed = maximum.position;
   blob.threshold = threshold;
   blob.seed_saliency = saliency(maximum.position);
-  blob.runs.clear();
   blob.area = 0;
-  highest_ = blob.seed_saliency;
   lowest_ = static_cast<float>(threshold * static_cast<double>(blob.seed_saliency));
-  if (++stamp_ == 0) {  // after 2^32 blobs old stamps would look new
-    std::fill(word_stamps_.begin(), word_stamps_.end(), 0U);
-    stamp_ = 1;
-  }
-  stack_.clear();
-  takeRunsTouching(saliency, blob.seed.y, blob.seed.x, blob.seed.x + 1, blob);
-  while (!stack_.empty()) {
-    const Segment run = stack_.back();
-    stack_.pop_back();
-    const int first = std::max(0, run.first - 1), end = std::min(saliency.cols, run.end + 1);
-    if (run.row > 0) {
-      takeRunsTouching(saliency, run.row - 1, first, end, blob);
-    }
-    if (run.row + 1 < saliency.rows) {
-      takeRunsTouching(saliency, run.row + 1, first, end, blob);
-    }
+  highest_ = stop_above_ = blob.seed_saliency;
+  most_area_ = static_cast<int>(config_.max_area_share * static_cast<double>(saliency.total()));
+  if (!flood(saliency, blob.seed, blob.runs)) {
+    return;
   }
   std::sort(blob.runs.begin(), blob.runs.end(), [](const PixelRun& a, const PixelRun& b) {
     return a.row != b.row ? a.row < b.row : a.first_column < b.first_column;
@@ -208,11 +238,30 @@ void BlobGrower::growOne(const cv::Mat1f& saliency, const SaliencyMaximum& maxim
   for (const PixelRun& run : blob.runs) {
     left = std::min(left, run.first_column);
     right = std::max(right, run.end_column);
-    blob.area += run.end_column - run.first_column;
   }
+  blob.area = area_;
   blob.box = blob.runs.empty() ? cv::Rect()
                                : cv::Rect(left, blob.runs.front().row, right - left,
                                           blob.runs.back().row - blob.runs.front().row + 1);
+}
+
+/// Collects the runs of the region that holds the seed, in no order; false if it was given up: at a pixel above
+/// `stop_above_`, or at more than `most_area_` pixels.
+bool BlobGrower::flood(const cv::Mat1f& saliency, cv::Point seed, std::vector<PixelRun>& runs) {
+  if (++stamp_ == 0) {  // after 2^32 floods old stamps would look new
+    std::fill(word_stamps_.begin(), word_stamps_.end(), 0U);
+    stamp_ = 1;
+  }
+  runs.clear();
+  area_ = 0;
+  bool goes_on = takeRunsTouching(saliency, seed.y, seed.x, seed.x + 1, runs);
+  for (std::size_t next = 0; goes_on && next < runs.size(); ++next) {
+    const PixelRun run = runs[next];
+    const int first = std::max(0, run.first_column - 1), end = std::min(saliency.cols, run.end_column + 1);
+    goes_on = (run.row == 0 || takeRunsTouching(saliency, run.row - 1, first, end, runs)) &&
+              (run.row + 1 == saliency.rows || takeRunsTouching(saliency, run.row + 1, first, end, runs));
+  }
+  return goes_on;
 }
 
 /// The columns 64 * word ... of a row that the present blob may still take, one bit each.
@@ -222,22 +271,21 @@ std::uint64_t& BlobGrower::allowedWord(const cv::Mat1f& saliency, int row, int w
   if (word_stamps_[index] != stamp_) {
     word_stamps_[index] = stamp_;
     const int begin = word * kWordBits;
-    std::uint8_t marks[kWordBits] = {};
     if (begin + kWordBits <= saliency.cols) {
-      markRange(saliency[row] + begin, lowest_, highest_, marks);
+      words_[index] = rangeBits(saliency[row] + begin, lowest_, highest_);
     } else {
-      for (int x = begin; x < saliency.cols; ++x) {
-        const float v = saliency(row, x);
-        marks[x - begin] = v >= lowest_ && v <= highest_ ? 1 : 0;
-      }
+      float values[kWordBits];
+      std::fill(std::copy(saliency[row] + begin, saliency[row] + saliency.cols, values), values + kWordBits,
+                std::numeric_limits<float>::quiet_NaN());
+      words_[index] = rangeBits(values, lowest_, highest_);
     }
-    words_[index] = packMarks(marks);
   }
   return words_[index];
 }
 
-/// Takes all runs of a row that have a pixel in columns first ... end - 1, at their full length.
-void BlobGrower::takeRunsTouching(const cv::Mat1f& saliency, int row, int first, int end, SalientBlob& blob) {
+/// Takes all runs of a row that have a pixel in columns first ... end - 1, at their full length; false if the flood is
+/// to be given up.
+bool BlobGrower::takeRunsTouching(const cv::Mat1f& saliency, int row, int first, int end, std::vector<PixelRun>& runs) {
   int x = first;
   while (x < end) {
     const std::uint64_t rest = allowedWord(saliency, row, x / kWordBits) >> (x % kWordBits);
@@ -247,7 +295,7 @@ void BlobGrower::takeRunsTouching(const cv::Mat1f& saliency, int row, int first,
     }
     x += std::countr_zero(rest);
     if (x >= end) {
-      return;
+      break;
     }
     int run_first = x, run_end = x + 1;
     while (run_first > 0) {  // towards lower columns
@@ -272,10 +320,14 @@ void BlobGrower::takeRunsTouching(const cv::Mat1f& saliency, int row, int first,
       const std::uint64_t taken = (~0ULL >> (kWordBits - (to - from))) << from;
       allowedWord(saliency, row, word) &= ~taken;
     }
-    blob.runs.push_back({row, run_first, run_end});
-    stack_.push_back({row, run_first, run_end});
+    runs.push_back({row, run_first, run_end});
+    area_ += run_end - run_first;
+    if (area_ > most_area_ || (highest_ > stop_above_ && anyAbove(saliency[row], run_first, run_end, stop_above_))) {
+      return false;
+    }
     x = run_end + 1;
   }
+  return true;
 }
 
 bool BlobGrower::isDuplicate(const SalientBlob& blob, std::size_t count) const {

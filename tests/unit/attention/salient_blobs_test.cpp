@@ -92,6 +92,8 @@ std::size_t countMaximaByFlooding(const cv::Mat1f& map) {
 BlobConfig everyBlob() {
   BlobConfig config;
   config.min_area = 0;
+  config.min_prominence = 0.0;
+  config.max_area_share = 1.0;
   return config;
 }
 
@@ -232,9 +234,44 @@ TEST(SalientBlobs, UnderTheLeastAreaAreLeftOut) {
   map(cv::Rect(5, 4, 5, 2)) = 0.8F;
   BlobConfig config;
   config.min_area = 10;
+  config.max_area_share = 1.0;
   EXPECT_EQ(growSalientBlobs(map, findLocalMaxima(map), config).size(), 1U);
   config.min_area = 11;
   EXPECT_EQ(growSalientBlobs(map, findLocalMaxima(map), config).size(), 0U);
+}
+
+TEST(SalientBlobs, OverTheLargestAreaAreLeftOut) {
+  cv::Mat1f map(20, 30, 0.0F);
+  map(cv::Rect(5, 4, 12, 10)) = 0.8F;  // a fifth of the image
+  BlobConfig config;
+  config.max_area_share = 0.21;
+  EXPECT_EQ(growSalientBlobs(map, findLocalMaxima(map), config).size(), 1U);
+  config.max_area_share = 0.19;
+  EXPECT_EQ(growSalientBlobs(map, findLocalMaxima(map), config).size(), 0U);
+}
+
+TEST(SalientBlobs, StartAtMaximaThatStandOutOverTheirPass) {
+  cv::Mat1f map(9, 40, 0.1F);
+  map(4, 5) = 0.5F;
+  map(cv::Rect(6, 4, 10, 1)) = 0.46F;  // the pass, bent
+  map(cv::Rect(16, 2, 1, 3)) = 0.46F;
+  map(2, 17) = 0.9F;
+  map(6, 30) = 0.3F;
+  const auto maxima = findLocalMaxima(map);
+  ASSERT_EQ(maxima.size(), 3U);
+  BlobConfig config = everyBlob();
+  config.thresholds = {0.9};
+  const auto seeds = [&](double prominence) {
+    config.min_prominence = prominence;
+    std::vector<cv::Point> found;
+    for (const SalientBlob& blob : growSalientBlobs(map, maxima, config)) {
+      found.push_back(blob.seed);
+    }
+    return found;
+  };
+  EXPECT_EQ(seeds(0.03), (std::vector<cv::Point>{{17, 2}, {5, 4}, {30, 6}}));
+  EXPECT_EQ(seeds(0.05), (std::vector<cv::Point>{{17, 2}, {30, 6}}));
+  EXPECT_EQ(seeds(0.25), (std::vector<cv::Point>{{17, 2}}));
 }
 
 TEST(SalientBlobs, OfAGrowerThatGrewOtherMapsBeforeAreTheSame) {
