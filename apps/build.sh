@@ -4,7 +4,7 @@
 # Run again, it builds only what changed.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
-build=$1
+build=${1:?apps/build.sh: expected a build folder, for example: apps/build.sh build}
 shift
 
 options=""

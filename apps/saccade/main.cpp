@@ -1,7 +1,46 @@
+#include <exception>
+#include <iostream>
+#include <malloc.h>
+#include <stdexcept>
+
 #include <CLI/CLI.hpp>
 
+#include "commands.hpp"
+#include "saccade/core/errors.hpp"
+#include "saccade/version.hpp"
+
+namespace {
+
+enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2 };
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  CLI::App app{"Attentional exploration of RGB-D scenes with a memory in the map"};
-  CLI11_PARSE(app, argc, argv);
-  return 0;
+  // Keep freed memory: the default gives every image-sized block back to the system and pays for fresh pages each
+  // frame.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  CLI::App program{
+      "Saccade explores a scene through an RGB-D camera the way an eye does: it tracks the camera, maps the\n"
+      "scene, proposes objects, and remembers in the map what it has attended, so that it looks elsewhere next."};
+  program.set_version_flag("--version", std::string("saccade ") + saccade::kVersion);
+  program.require_subcommand(1);
+  program.get_formatter()->column_width(34);
+  saccade::app::addExplore(program);
+  saccade::app::addInspect(program);
+  saccade::app::addSaliency(program);
+  saccade::app::addEvaluate(program);
+  saccade::app::addTrain(program);
+  try {
+    program.parse(argc, argv);
+    return kDone;
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? kDone : kUsage;
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "saccade: " << error.what() << "\n";
+    return kUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "saccade: " << error.what() << "\n";
+    return kFailed;
+  }
 }

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+/// The commands of the program; each adds itself, with its options and what it does, to `program`.
+namespace saccade::app {
+
+void addExplore(CLI::App& program);
+void addInspect(CLI::App& program);
+void addSaliency(CLI::App& program);
+void addEvaluate(CLI::App& program);
+void addTrain(CLI::App& program);
+
+}  // namespace saccade::app

@@ -1,0 +1,261 @@
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <sys/resource.h>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include "commands.hpp"
+#include "saccade/core/config_file.hpp"
+#include "saccade/core/errors.hpp"
+#include "saccade/inspection/picture_sinks.hpp"
+#include "saccade/pipeline/candidate_sink.hpp"
+#include "saccade/pipeline/explorer.hpp"
+#include "saccade/pipeline/trajectory_sink.hpp"
+#include "saccade/session/session_sink.hpp"
+#include "saccade/sources/frame_source.hpp"
+#include "saccade/sources/given_poses.hpp"
+#include "saccade/sources/read_ahead.hpp"
+#include "saccade/version.hpp"
+#include "source_talk.hpp"
+#include "terminal.hpp"
+
+namespace saccade::app {
+namespace {
+
+struct Options {
+  std::string input;
+  std::string session, trajectory, candidates, video, frames_folder;
+  bool force = false;
+  std::string range, poses, config, model;
+  std::vector<std::string> settings;
+  bool print_config = false, no_ior = false, paper = false;
+  int threads = 0;
+};
+
+ExplorerConfig effectiveConfig(const Options& options) {
+  ExplorerConfig config;
+  if (options.paper) config.discovery.usePaperOnly();
+  if (!options.config.empty()) applyConfigFile(options.config, describing(config));
+  if (options.no_ior) config.discovery.inhibition.enabled = false;
+  applyConfigSettings(options.settings, describing(config));
+  return config;
+}
+
+/// Sums over a run, for the table at its end.
+struct RunTotals {
+  std::int64_t frames = 0, skipped = 0, tracked = 0, weak = 0, lost = 0;
+  double open = 0.0, inhibited = 0.0;
+  std::vector<std::pair<std::string, std::vector<double>>> stage_ms;
+  std::vector<double> frame_ms;
+
+  void add(const FrameReport& report) {
+    ++frames;
+    (report.tracking.status == TrackingStatus::kTracked ? tracked
+     : report.tracking.status == TrackingStatus::kWeak  ? weak
+                                                        : lost) += 1;
+    open += static_cast<double>(report.open.size());
+    inhibited += static_cast<double>(report.inhibited.size());
+    frame_ms.push_back(report.total_ms);
+    for (const StageTime& stage : report.stages) {
+      const auto known =
+          std::find_if(stage_ms.begin(), stage_ms.end(), [&](auto& s) { return s.first == stage.stage; });
+      auto& times = known != stage_ms.end() ? known->second : stage_ms.emplace_back(stage.stage, 0).second;
+      times.push_back(stage.ms);
+    }
+  }
+};
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return values[static_cast<std::size_t>(index)];
+}
+
+double peakMemoryMiB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+std::string utcNow() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+void printTotals(const RunTotals& totals, const Explorer& explorer, double elapsed_s) {
+  const double frames = std::max<double>(1.0, static_cast<double>(totals.frames));
+  std::cerr << fmt::format("{} frames in {:.1f} s ({:.1f} frames/s): {} tracked, {} weak, {} lost, {} skipped\n",
+                           totals.frames, elapsed_s, static_cast<double>(totals.frames) / std::max(elapsed_s, 1e-9),
+                           totals.tracked, totals.weak, totals.lost, totals.skipped);
+  std::cerr << fmt::format("a frame has {:.0f} open and {:.0f} inhibited candidates\n\n", totals.open / frames,
+                           totals.inhibited / frames);
+  std::vector<std::vector<std::string>> rows = {{"stage", "median ms", "99 % ms"}};
+  for (const auto& [stage, times] : totals.stage_ms) {
+    rows.push_back({stage, fixed(quantile(times, 0.5), 1), fixed(quantile(times, 0.99), 1)});
+  }
+  rows.push_back({"whole frame", fixed(quantile(totals.frame_ms, 0.5), 1), fixed(quantile(totals.frame_ms, 0.99), 1)});
+  std::cerr << alignedTable(rows) << "\n";
+  std::cerr << alignedTable({
+      {"map", grouped(static_cast<std::int64_t>(explorer.map().leafCount())) + " leaves",
+       fixed(static_cast<double>(explorer.map().memoryBytes()) / 1048576.0, 0) + " MiB"},
+      {"surface volume", grouped(static_cast<std::int64_t>(explorer.surface().bricks().size())) + " bricks",
+       fixed(static_cast<double>(explorer.surface().memoryBytes()) / 1048576.0, 0) + " MiB"},
+      {"attend log", grouped(explorer.map().now().value) + " ticks",
+       fixed(static_cast<double>(explorer.attendLog().memoryBytes()) / 1048576.0, 0) + " MiB"},
+      {"peak memory", "", fixed(peakMemoryMiB(), 0) + " MiB"},
+  });
+}
+
+void refuseExisting(const Options& options) {
+  std::error_code ignored;
+  if (options.session.empty() || options.force || !std::filesystem::exists(options.session, ignored)) return;
+  throw IoError(options.session, "no session of that name yet (--force replaces it)", "one that exists");
+}
+
+std::string progressText(const FrameReport& report, double frames_per_second) {
+  return fmt::format("{:.1f} frames/s  {}  {} open, {} inhibited", frames_per_second, nameOf(report.tracking.status),
+                     report.open.size(), report.inhibited.size());
+}
+
+/// The sinks that the options ask for. `session` is set if there is one among them.
+std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, const Explorer& explorer,
+                                                  SessionSink*& session) {
+  std::vector<std::unique_ptr<FrameSink>> sinks;
+  if (!options.session.empty()) {
+    const auto when_exists = options.force ? WhenSessionExists::kReplace : WhenSessionExists::kRefuse;
+    auto sink = std::make_unique<SessionSink>(options.session, when_exists, explorer);
+    session = sink.get();
+    sinks.push_back(std::move(sink));
+  }
+  if (!options.trajectory.empty()) sinks.push_back(std::make_unique<TrajectorySink>(options.trajectory));
+  if (!options.candidates.empty()) sinks.push_back(std::make_unique<CandidateSink>(options.candidates));
+  constexpr double kVideoFramesPerSecond = 30.0;
+  if (!options.video.empty()) sinks.push_back(std::make_unique<VideoSink>(options.video, kVideoFramesPerSecond));
+  if (!options.frames_folder.empty()) sinks.push_back(std::make_unique<PictureFolderSink>(options.frames_folder));
+  return sinks;
+}
+
+void printFiles(const Options& options) {
+  std::vector<std::vector<std::string>> rows;
+  const auto add = [&](const char* what, const std::string& path) {
+    if (!path.empty()) rows.push_back({fmt::format("{:<12}{}", what, path)});
+  };
+  add("session", options.session);
+  add("trajectory", options.trajectory);
+  add("candidates", options.candidates);
+  add("video", options.video);
+  add("pictures", options.frames_folder);
+  if (!rows.empty()) std::cerr << "\nwritten:\n" << alignedTable(rows);
+  if (!options.session.empty()) std::cerr << "next: saccade inspect " << options.session << "\n";
+}
+
+void run(const Options& options) {
+  const ExplorerConfig config = effectiveConfig(options);
+  if (options.print_config) {
+    ExplorerConfig printed = config;
+    std::cout << printConfig(describing(printed), true);
+    return;
+  }
+  if (options.input.empty()) throw std::invalid_argument("explore: expected an INPUT; see saccade explore --help");
+  refuseExisting(options);
+  std::optional<tbb::global_control> threads;
+  if (options.threads > 0) {
+    threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+  }
+
+  std::optional<GivenPoses> poses;
+  if (!options.poses.empty()) poses = GivenPoses::open(options.poses);
+  ReadAhead source(openSource(options.input, options.range.empty() ? FrameRange{} : FrameRange::parse(options.range)));
+  const SourceDescription& description = source.description();
+  sayWhatWasUnderstood(description);
+  if (poses && poses->fromDataset() && !description.has_poses) {
+    throw IoError(options.input, "poses in the dataset (--poses dataset)", "none");
+  }
+
+  std::optional<RankerModel> model;
+  if (!options.model.empty()) model = RankerModel::load(options.model);
+  Explorer explorer(config, description.camera, model);
+  SessionSink* session = nullptr;
+  const auto sinks = makeSinks(options, explorer, session);
+
+  catchInterrupts();
+  RunTotals totals;
+  ProgressLine progress(description.frames);
+  RgbdFrame frame;
+  const auto start = std::chrono::steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  while (!interrupted()) {
+    const ReadStatus status = source.read(frame);
+    if (status == ReadStatus::kEnd) break;
+    if (status == ReadStatus::kSkip) {
+      ++totals.skipped;
+      progress.clear();
+      std::cerr << "skipped: " << source.skipReason() << "\n";
+      continue;
+    }
+    const FrameReport report = poses ? explorer.processAt(frame, poses->find(frame)) : explorer.process(frame);
+    totals.add(report);
+    for (const auto& sink : sinks) sink->accept(frame, report);
+    progress.show(totals.frames + totals.skipped,
+                  progressText(report, static_cast<double>(totals.frames) / std::max(elapsed(), 1e-9)));
+  }
+  progress.clear();
+  const double elapsed_s = elapsed();
+  if (totals.frames == 0) throw IoError(options.input, "at least one usable frame", "none");
+
+  if (session != nullptr) {
+    SessionMetadata metadata;
+    metadata.saccade_version = kVersion;
+    metadata.created_utc = utcNow();
+    metadata.input = options.input;
+    metadata.input_kind = description.kind;
+    metadata.frames_read = totals.frames;
+    metadata.frames_skipped = totals.skipped;
+    metadata.interrupted = interrupted();
+    session->setMetadata(metadata);
+  }
+  for (const auto& sink : sinks) sink->finish();
+  if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
+  printTotals(totals, explorer, elapsed_s);
+  printFiles(options);
+}
+
+}  // namespace
+
+void addExplore(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("explore", "Explore a recorded sequence: track, map, propose, attend");
+  command->add_option("INPUT", options->input,
+                      "a 7-Scenes, TUM or labelled-frames folder (the kind is detected), or sim:desk");
+  command->add_option("-o,--output", options->session, "the session to write (*.saccade)");
+  command->add_flag("--force", options->force, "replace a session that exists");
+  command->add_option("--trajectory", options->trajectory, "write the poses in TUM format");
+  command->add_option("--candidates", options->candidates, "write the candidates, one JSON line a frame");
+  command->add_option("--video", options->video, "write a video (.mp4) of candidates, saliency, segments, 2D IOR map");
+  command->add_option("--frames-dir", options->frames_folder, "write the same pictures as PNG files to a folder");
+  command->add_option("--range", options->range, "frames A:B:STEP of the input, B excluded");
+  command->add_option("--poses", options->poses, "believe these poses instead of tracking: \"dataset\" or a TUM file");
+  command->add_option("--config", options->config, "YAML file with settings, see --print-config");
+  command->add_option("--set", options->settings, "one setting, for example inhibition.theta=0.4; may be repeated")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--model", options->model, "ranking model written by saccade train, instead of the built-in one");
+  command->add_flag("--print-config", options->print_config, "print the effective settings with their help and stop");
+  command->add_flag("--no-ior", options->no_ior, "attend and log, but inhibit nothing");
+  command->add_flag("--paper", options->paper, "the paper's method and nothing beyond it");
+  command->add_option("--threads", options->threads, "threads to use (0: all)")->check(CLI::Range(0, 1024));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace saccade::app

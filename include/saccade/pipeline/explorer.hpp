@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "saccade/core/frame.hpp"
+#include "saccade/map/attend_log.hpp"
+#include "saccade/map/ior_map.hpp"
+#include "saccade/map/surface_volume.hpp"
+#include "saccade/pipeline/explorer_config.hpp"
+#include "saccade/pipeline/frame_report.hpp"
+
+namespace saccade {
+
+/// Explores a scene frame by frame: tracks the camera, maps, proposes objects, inhibits what was attended, attends the
+/// best of the rest (paper, figure 1).
+///
+/// Owns the map with its attention memory, the surface volume and all stages. Leaves reading frames to sources and
+/// keeping results to sinks. One frame at a time; inside a frame the attention branch runs beside the map branch when
+/// TBB has a second thread. Same frames, same config: same results, at any number of threads.
+class Explorer {
+ public:
+  /// `camera`: of all frames to come. `model` ranks instead of the built-in one. Throws std::invalid_argument if a
+  /// setting is out of range.
+  Explorer(const ExplorerConfig& config, const PinholeCamera& camera,
+           const std::optional<RankerModel>& model = std::nullopt);
+  ~Explorer();
+  Explorer(const Explorer&) = delete;
+  Explorer& operator=(const Explorer&) = delete;
+
+  /// Processes one frame, finding its pose by tracking. The report's views are good until the next call. A lost frame
+  /// edits nothing and no tick passes; a weakly tracked one attends but is not integrated. Throws
+  /// std::invalid_argument if the frame's images do not have the camera's size.
+  FrameReport process(const RgbdFrame& frame);
+  /// The same with a pose that is believed instead of tracking; none: the frame counts as lost.
+  FrameReport processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC);
+
+  [[nodiscard]] const IorMap& map() const;
+  [[nodiscard]] const SurfaceVolume& surface() const;
+  [[nodiscard]] const AttendLog& attendLog() const;
+  [[nodiscard]] const ExplorerConfig& config() const;
+  [[nodiscard]] const PinholeCamera& camera() const;
+
+ private:
+  struct Stages;
+
+  void requireImages(const RgbdFrame& frame) const;
+  FrameReport processFrame(const RgbdFrame& frame, const std::optional<Tracking>& believed);
+
+  std::unique_ptr<Stages> stages_;
+};
+
+}  // namespace saccade

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "saccade/core/config_fields.hpp"
+#include "saccade/core/depth_maps.hpp"
+#include "saccade/discovery/discovery_config.hpp"
+#include "saccade/map/ior_map.hpp"
+#include "saccade/map/surface_volume.hpp"
+#include "saccade/rendering/renderer.hpp"
+#include "saccade/tracking/motion_predictor.hpp"
+#include "saccade/tracking/tracker.hpp"
+
+namespace saccade {
+
+/// Every setting of the pipeline, stage by stage; what `--config`, `--set` and `--print-config` speak of.
+struct ExplorerConfig {
+  DepthPreparationConfig depth;
+  DiscoveryConfig discovery;
+  IorMapConfig map;
+  RendererConfig rendering;
+  SurfaceVolumeConfig surface;
+  MotionPredictorConfig motion;
+  TrackerConfig tracking;
+
+  void describe(ConfigVisitor& visitor) {
+    visitor.section("depth", depth, "preparation of the depth image");
+    discovery.describe(visitor);
+    visitor.section("map", map, "the octree: leaves, sensor model, inhibition of return");
+    visitor.section("rendering", rendering, "the 2D IOR map's rays");
+    visitor.section("surface", surface, "the surface volume that tracking looks at");
+    visitor.section("motion", motion, "prediction of the camera's motion");
+    visitor.section("tracking", tracking, "ICP, frame to model");
+  }
+};
+
+}  // namespace saccade
