@@ -130,16 +130,16 @@ std::string progressText(const FrameReport& report, double frames_per_second) {
 
 /// The sinks that the options ask for. `session` is set if there is one among them.
 std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, const Explorer& explorer,
-                                                  SessionSink*& session) {
+                                                  const CandidateOutliner& outliner, SessionSink*& session) {
   std::vector<std::unique_ptr<FrameSink>> sinks;
   if (!options.session.empty()) {
     const auto when_exists = options.force ? WhenSessionExists::kReplace : WhenSessionExists::kRefuse;
-    auto sink = std::make_unique<SessionSink>(options.session, when_exists, explorer);
+    auto sink = std::make_unique<SessionSink>(options.session, when_exists, explorer, outliner);
     session = sink.get();
     sinks.push_back(std::move(sink));
   }
   if (!options.trajectory.empty()) sinks.push_back(std::make_unique<TrajectorySink>(options.trajectory));
-  if (!options.candidates.empty()) sinks.push_back(std::make_unique<CandidateSink>(options.candidates));
+  if (!options.candidates.empty()) sinks.push_back(std::make_unique<CandidateSink>(options.candidates, outliner));
   constexpr double kVideoFramesPerSecond = 30.0;
   if (!options.video.empty()) sinks.push_back(std::make_unique<VideoSink>(options.video, kVideoFramesPerSecond));
   if (!options.frames_folder.empty()) sinks.push_back(std::make_unique<PictureFolderSink>(options.frames_folder));
@@ -187,7 +187,8 @@ void run(const Options& options) {
   if (!options.model.empty()) model = RankerModel::load(options.model);
   Explorer explorer(config, description.camera, model);
   SessionSink* session = nullptr;
-  const auto sinks = makeSinks(options, explorer, session);
+  const CandidateOutliner outliner(description.camera, description.color_distortion);
+  const auto sinks = makeSinks(options, explorer, outliner, session);
 
   catchInterrupts();
   RunTotals totals;

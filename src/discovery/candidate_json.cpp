@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "saccade/discovery/candidate_mask.hpp"
-#include "saccade/discovery/coco_rle.hpp"
 
 namespace saccade {
 namespace {
@@ -17,18 +16,19 @@ double rounded(double value) {
   return std::round(value * 1e5) / 1e5;
 }
 
-Json candidateJson(const Candidate& candidate, const Perception& seen, const DepthMaps* depth,
-                   const std::optional<Pose>& T_WC) {
+Json candidateJson(const Candidate& candidate, const Perception& seen, const CandidateOutliner& outliner,
+                   const DepthMaps* depth, const std::optional<Pose>& T_WC) {
   Json json;
   json["rank"] = nullptr;
   json["score"] = rounded(candidate.score);
   json["attended"] = false;
   json["inhibited"] = candidate.inhibited;
-  json["box"] = {candidate.box.x, candidate.box.y, candidate.box.width, candidate.box.height};
+  const CandidateOutline outline = outliner.outline(candidate);
+  json["box"] = {outline.box.x, outline.box.y, outline.box.width, outline.box.height};
   json["source"] = sourceName(candidate.source);
   const cv::Size size = seen.imageSize();
   json["mask"]["size"] = {size.height, size.width};
-  json["mask"]["counts"] = encodeCocoRle(boxMask(candidate, seen), candidate.box.tl(), size);
+  json["mask"]["counts"] = outline.mask;
   json["box3d"] = nullptr;
   if (depth != nullptr && T_WC) {
     if (const auto box = candidateBox(candidate, seen, *depth, *T_WC)) {
@@ -63,8 +63,8 @@ std::optional<Eigen::AlignedBox3d> candidateBox(const Candidate& candidate, cons
 }
 
 std::string candidateLine(const CandidateLineHeader& header, const Candidates& open, int attended_count,
-                          const Candidates& inhibited, const Perception& seen, const DepthMaps* depth,
-                          const std::optional<Pose>& T_WC) {
+                          const Candidates& inhibited, const Perception& seen, const CandidateOutliner& outliner,
+                          const DepthMaps* depth, const std::optional<Pose>& T_WC) {
   Json line;
   line["frame"] = header.frame.value;
   line["name"] = header.name;
@@ -72,12 +72,12 @@ std::string candidateLine(const CandidateLineHeader& header, const Candidates& o
   line["tracking"] = header.tracking;
   Json list = Json::array();
   for (std::size_t rank = 0; rank < open.size(); ++rank) {
-    Json json = candidateJson(open[rank], seen, depth, T_WC);
+    Json json = candidateJson(open[rank], seen, outliner, depth, T_WC);
     json["rank"] = rank;
     json["attended"] = static_cast<int>(rank) < attended_count;
     list.push_back(std::move(json));
   }
-  for (const Candidate& candidate : inhibited) list.push_back(candidateJson(candidate, seen, depth, T_WC));
+  for (const Candidate& candidate : inhibited) list.push_back(candidateJson(candidate, seen, outliner, depth, T_WC));
   line["candidates"] = std::move(list);
   // Names come from file names, which need not be UTF-8.
   return line.dump(-1, ' ', false, Json::error_handler_t::replace);

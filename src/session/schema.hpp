@@ -25,7 +25,7 @@ CREATE TABLE frames (
   attended INTEGER NOT NULL,
   processing_ms REAL NOT NULL);
 
-CREATE TABLE candidates (        -- the attended ones
+CREATE TABLE candidates (        -- the attended ones; box and mask in pixels of the input's colour image
   frame INTEGER NOT NULL,
   rank INTEGER NOT NULL,
   score REAL NOT NULL,

@@ -1,9 +1,9 @@
 #include "saccade/session/session_sink.hpp"
 
+#include <utility>
+
 #include "saccade/core/config_file.hpp"
 #include "saccade/discovery/candidate_json.hpp"
-#include "saccade/discovery/candidate_mask.hpp"
-#include "saccade/discovery/coco_rle.hpp"
 #include "saccade/map/map_tiles.hpp"
 #include "session/map_blobs.hpp"
 
@@ -27,21 +27,21 @@ FrameRecord recordOf(const FrameReport& report) {
   return record;
 }
 
-CandidateRecord recordOf(const FrameReport& report, std::size_t rank, cv::Mat1b& mask) {
+CandidateRecord recordOf(const FrameReport& report, std::size_t rank, const CandidateOutliner& outliner) {
   const Candidate& candidate = report.open[rank];
   CandidateRecord record;
   record.frame = report.index;
   record.rank = static_cast<int>(rank);
   record.score = candidate.score;
   record.source = sourceName(candidate.source);
-  record.box = candidate.box;
+  CandidateOutline outline = outliner.outline(candidate);
+  record.box = outline.box;
+  record.mask_rle = std::move(outline.mask);
   if (report.depth != nullptr && report.T_WC()) {
     if (const auto box = candidateBox(candidate, *report.seen, *report.depth, *report.T_WC())) {
       record.box3d_m = {box->min().x(), box->min().y(), box->min().z(), box->max().x(), box->max().y(), box->max().z()};
     }
   }
-  drawMask(candidate, *report.seen, mask);
-  record.mask_rle = encodeCocoRle(mask);
   record.features.assign(candidate.features.begin(), candidate.features.end());
   if (rank < report.revisited_share.size()) record.revisited_share = report.revisited_share[rank];
   return record;
@@ -49,12 +49,14 @@ CandidateRecord recordOf(const FrameReport& report, std::size_t rank, cv::Mat1b&
 
 }  // namespace
 
-SessionSink::SessionSink(const std::filesystem::path& path, WhenSessionExists when_exists, const Explorer& explorer)
-    : explorer_(explorer), writer_(path, when_exists) {}
+SessionSink::SessionSink(const std::filesystem::path& path, WhenSessionExists when_exists, const Explorer& explorer,
+                         CandidateOutliner outliner)
+    : explorer_(explorer), writer_(path, when_exists), outliner_(std::move(outliner)) {}
 
 void SessionSink::accept(const RgbdFrame& /*frame*/, const FrameReport& report) {
   writer_.addFrame(recordOf(report));
-  for (std::size_t rank = 0; rank < report.attended; ++rank) writer_.addCandidate(recordOf(report, rank, mask_));
+  outliner_.begin(*report.seen);
+  for (std::size_t rank = 0; rank < report.attended; ++rank) writer_.addCandidate(recordOf(report, rank, outliner_));
 }
 
 void SessionSink::finish() {

@@ -128,6 +128,7 @@ void ImageSequence::settleCameras() {
 
 void ImageSequence::describe() {
   description_.camera = calibration_.color;
+  description_.color_distortion = calibration_.color_distortion;
   description_.intrinsics_origin = calibration_.origin;
   description_.depth_units_per_metre = calibration_.depth_units_per_metre;
   description_.depth_was_registered = !registration_;

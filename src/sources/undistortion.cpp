@@ -7,13 +7,6 @@
 
 namespace saccade {
 
-std::array<double, 2> LensDistortion::distort(double x, double y) const {
-  const double r2 = x * x + y * y;
-  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
-}
-
 Undistortion::Undistortion(const PinholeCamera& camera, const LensDistortion& distortion)
     : size_(camera.width, camera.height), identity_(distortion.isZero()) {
   if (camera.width <= 0 || camera.height <= 0 || !(camera.fx > 0) || !(camera.fy > 0)) {

@@ -9,6 +9,7 @@
 #include "saccade/core/depth_maps.hpp"
 #include "saccade/core/frame.hpp"
 #include "saccade/discovery/candidate.hpp"
+#include "saccade/discovery/candidate_outline.hpp"
 #include "saccade/discovery/perception.hpp"
 
 namespace saccade {
@@ -29,9 +30,11 @@ struct CandidateLineHeader {
 /// box3d ([min x, y, z, max x, y, z] in W; null where there is no depth or no pose), features (twelve, or with our
 /// cues after them).
 ///
-/// `depth` and `T_WC` may be missing (colour only; lost).
+/// Box and mask are in pixels of the input's colour image: `outliner` has begun `seen`. `depth` and `T_WC` may be
+/// missing (colour only; lost).
 [[nodiscard]] std::string candidateLine(const CandidateLineHeader& header, const Candidates& open, int attended_count,
-                                        const Candidates& inhibited, const Perception& seen, const DepthMaps* depth,
+                                        const Candidates& inhibited, const Perception& seen,
+                                        const CandidateOutliner& outliner, const DepthMaps* depth,
                                         const std::optional<Pose>& T_WC);
 
 /// The axis-parallel box in W around the measured points of a candidate's mask; none if there are none.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "saccade/discovery/candidate_outline.hpp"
 #include "saccade/pipeline/frame_sink.hpp"
 
 namespace saccade {
@@ -11,8 +12,8 @@ namespace saccade {
 /// as it comes, so that the file stays readable when the program is killed.
 class CandidateSink final : public FrameSink {
  public:
-  /// Throws IoError if the file cannot be made.
-  explicit CandidateSink(const std::filesystem::path& path);
+  /// `outliner`: that of the input's camera and lens. Throws IoError if the file cannot be made.
+  CandidateSink(const std::filesystem::path& path, CandidateOutliner outliner);
 
   void accept(const RgbdFrame& frame, const FrameReport& report) override;
   void finish() override;
@@ -20,6 +21,7 @@ class CandidateSink final : public FrameSink {
  private:
   std::filesystem::path path_;
   std::ofstream file_;
+  CandidateOutliner outliner_;
 };
 
 }  // namespace saccade

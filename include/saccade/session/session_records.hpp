@@ -35,7 +35,7 @@ struct CandidateRecord {
   int rank = 0;
   double score = 0.0;
   std::string source;               ///< "colour" or "depth"
-  cv::Rect box;                     ///< pixels
+  cv::Rect box;                     ///< pixels of the input's colour image, as the mask
   std::array<double, 6> box3d_m{};  ///< min x y z, max x y z in W; all 0 without depth
   std::string mask_rle;             ///< compressed COCO run lengths
   std::vector<double> features;

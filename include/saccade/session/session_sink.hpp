@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "saccade/discovery/candidate_outline.hpp"
 #include "saccade/pipeline/explorer.hpp"
 #include "saccade/pipeline/frame_sink.hpp"
 #include "saccade/session/session_writer.hpp"
@@ -12,8 +13,10 @@ namespace saccade {
 /// attention memory, the surface volume and the attend log at the end.
 class SessionSink final : public FrameSink {
  public:
-  /// `explorer` must outlive the sink. Throws IoError as SessionWriter does.
-  SessionSink(const std::filesystem::path& path, WhenSessionExists when_exists, const Explorer& explorer);
+  /// `explorer` must outlive the sink; `outliner`: that of the input's camera and lens. Throws IoError as SessionWriter
+  /// does.
+  SessionSink(const std::filesystem::path& path, WhenSessionExists when_exists, const Explorer& explorer,
+              CandidateOutliner outliner);
 
   void accept(const RgbdFrame& frame, const FrameReport& report) override;
   /// Writes the map and gives the file its name. setMetadata() must have been called.
@@ -26,7 +29,7 @@ class SessionSink final : public FrameSink {
   const Explorer& explorer_;
   SessionWriter writer_;
   SessionMetadata metadata_;
-  cv::Mat1b mask_;  ///< scratch
+  CandidateOutliner outliner_;
 };
 
 }  // namespace saccade

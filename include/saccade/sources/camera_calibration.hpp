@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -9,17 +8,9 @@
 
 #include "saccade/core/camera.hpp"
 #include "saccade/core/frame.hpp"
+#include "saccade/core/lens_distortion.hpp"
 
 namespace saccade {
-
-/// Lens distortion of Brown and Conrady, in OpenCV's order of coefficients.
-struct LensDistortion {
-  double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
-
-  [[nodiscard]] bool isZero() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
-  /// Distorted normalised coordinates (x / z, y / z) of an ideal point.
-  [[nodiscard]] std::array<double, 2> distort(double x, double y) const;
-};
 
 /// The depth camera D of a sensor whose depth image is not registered to colour.
 struct DepthCamera {
