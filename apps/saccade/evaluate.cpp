@@ -1,14 +1,18 @@
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 #include "commands.hpp"
 #include "saccade/core/config_file.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/evaluation/discovery_evaluation.hpp"
-#include "saccade/pipeline/candidate_sink.hpp"
+#include "saccade/evaluation/evaluation_page.hpp"
+#include "saccade/evaluation/evaluation_report.hpp"
+#include "saccade/evaluation/sequence_evaluation.hpp"
 #include "saccade/sources/frame_source.hpp"
+#include "saccade/sources/label_folder.hpp"
 #include "source_talk.hpp"
 #include "terminal.hpp"
 
@@ -16,94 +20,224 @@ namespace saccade::app {
 namespace {
 
 struct Options {
-  std::string frames, labels, range, config, model, candidates;
-  std::vector<std::string> settings;
+  std::vector<std::string> inputs;
+  std::string frames, labels, truth, poses, range, config, model, output, masks;
+  std::vector<std::string> settings, vary;
+  int k = 20, every = 1;
   bool json = false, paper = false, print_config = false, no_depth = false;
+  bool propagate = false, compare = false, rivals = false, baselines = false;
 };
 
-constexpr int kFew = 20;
-constexpr int kAll = 255;
-
-nlohmann::ordered_json scores(const DiscoveryScore& score) {
-  return {{"recall_all", score.recall(kAll)},
-          {"recall_at_20", score.recall(kFew)},
-          {"precision_at_20", score.precision(kFew)},
-          {"precision_all", score.precision(kAll)},
-          {"f_score", score.fScore(kFew)},
-          {"f_score_all", score.fScore(kAll)},
-          {"auc_recall", score.recallAuc()}};
+ExplorerConfig effectiveConfig(const Options& options) {
+  ExplorerConfig config;
+  if (options.paper) config.discovery.usePaperOnly();
+  if (!options.config.empty()) applyConfigFile(options.config, describing(config));
+  applyConfigSettings(options.settings, describing(config));
+  config.discovery.ranking.top_k = options.k;
+  return config;
 }
 
-double totalMs(const DiscoveryEvaluation& e) {
-  const Perceiver::Times& t = e.perceive_ms;
-  return t.saliency_ms + t.blobs_ms + t.color_ms + t.surface_ms + t.tables_ms + e.propose_ms + e.rank_ms;
+ComparisonOptions comparisonOf(const Options& options) {
+  return {options.compare, options.compare || options.baselines, options.compare || options.rivals};
 }
 
-void printJson(const DiscoveryEvaluation& e) {
-  const nlohmann::ordered_json json = {{"frames", e.frames},
-                                       {"boxes", scores(e.boxes)},
-                                       {"masks", scores(e.masks)},
-                                       {"candidates_per_frame", e.ranked},
-                                       {"pool_per_frame", e.pool_size},
-                                       {"ms_per_frame", totalMs(e)}};
-  std::cout << json.dump(2) << "\n";
+FrameRange rangeOf(const Options& options) {
+  return options.range.empty() ? FrameRange{} : FrameRange::parse(options.range);
 }
 
-void printText(const DiscoveryEvaluation& e) {
-  std::vector<std::vector<std::string>> rows = {
-      {"Pascal criterion, " + std::to_string(e.frames) + " frames", "boxes", "masks"}};
-  const nlohmann::ordered_json boxes = scores(e.boxes);
-  const nlohmann::ordered_json masks = scores(e.masks);
-  for (const auto& [key, value] : boxes.items()) {
-    rows.push_back({key, fixed(value.get<double>(), 3), fixed(masks[key].get<double>(), 3)});
+/// "map.ior.mf=2,4,6"
+Variation parseVariation(const std::string& text) {
+  Variation variation;
+  const std::size_t equals = text.find('=');
+  variation.setting = text.substr(0, equals);
+  for (std::size_t at = equals; at != std::string::npos && at < text.size();) {
+    const std::size_t comma = text.find(',', at + 1);
+    variation.values.push_back(text.substr(at + 1, comma == std::string::npos ? comma : comma - at - 1));
+    at = comma;
   }
-  rows.push_back({"candidates a frame", fixed(e.ranked, 1)});
-  rows.push_back({"ms a frame", fixed(totalMs(e), 1)});
-  std::cout << alignedTable(rows);
+  if (equals == std::string::npos || variation.setting.empty() || variation.values.front().empty()) {
+    throw std::invalid_argument("evaluate: expected --vary SETTING=VALUE,VALUE,..., found \"" + text + "\"");
+  }
+  return variation;
 }
 
-void run(const Options& options) {
+/// Single labelled frames, without memory.
+SequenceEvaluation evaluateLabelledFrames(const std::string& input, const Options& options) {
   EvaluationOptions evaluation;
-  if (options.paper) evaluation.discovery.usePaperOnly();
-  if (!options.config.empty()) applyConfigFile(options.config, describing(evaluation.discovery));
-  applyConfigSettings(options.settings, describing(evaluation.discovery));
-  if (options.print_config) {
-    std::cout << printConfig(describing(evaluation.discovery), true);
-    return;
-  }
-  if (options.frames.empty())
-    throw std::invalid_argument("evaluate: expected --frames DIR; see saccade evaluate --help");
+  evaluation.discovery = effectiveConfig(options).discovery;
   if (!options.model.empty()) evaluation.model = RankerModel::load(options.model);
   evaluation.use_depth = !options.no_depth;
-
-  const auto source =
-      openSource(options.frames, options.range.empty() ? FrameRange{} : FrameRange::parse(options.range));
+  evaluation.compare = comparisonOf(options);
+  const auto source = openSource(input, rangeOf(options), options.labels);
   sayWhatWasUnderstood(source->description());
   ProgressLine progress(source->description().frames);
   std::int64_t done = 0;
   evaluation.on_frame = [&](const EvaluatedFrame& frame) { progress.show(++done, frame.frame.name); };
-  const DiscoveryEvaluation result = evaluateFrames(*source, evaluation);
+  DiscoveryEvaluation result = evaluateFrames(*source, evaluation);
   progress.clear();
-  if (result.frames == 0) throw IoError(options.frames, "at least one labelled frame", "none");
-  options.json ? printJson(result) : printText(result);
+  if (result.frames == 0) throw IoError(input, "at least one labelled frame", "none");
+  SequenceEvaluation sequence;
+  sequence.input = input;
+  sequence.frames = result.frames;
+  sequence.ours = std::move(result.ours);
+  sequence.others = std::move(result.others);
+  return sequence;
+}
+
+/// A whole sequence, run with and without inhibition.
+SequenceEvaluation evaluateInput(const std::string& input, const Options& options) {
+  SequenceOptions sequence;
+  sequence.config = effectiveConfig(options);
+  if (!options.model.empty()) sequence.model = RankerModel::load(options.model);
+  sequence.range = rangeOf(options);
+  sequence.labels = options.labels;
+  sequence.labels_every = options.every;
+  sequence.propagate = options.propagate || !options.masks.empty();
+  sequence.truth = options.truth;
+  if (!options.poses.empty()) sequence.poses = GivenPoses::open(options.poses);
+  sequence.compare = comparisonOf(options);
+  if (options.compare) sequence.variations.push_back({"map.ior.mf", {"2", "4", "6"}});
+  for (const std::string& text : options.vary) sequence.variations.push_back(parseVariation(text));
+  std::optional<ProgressLine> progress;
+  std::string shown;
+  sequence.on_progress = [&](const std::string& run, std::int64_t done, std::int64_t total) {
+    if (run != shown) progress.emplace(total);
+    shown = run;
+    progress->show(done, input + ": " + run);
+  };
+  SequenceEvaluation evaluation = evaluateSequence(input, sequence);
+  progress.reset();
+  if (!options.masks.empty()) evaluation.labels.save(options.masks, evaluation.ignore_from);
+  return evaluation;
+}
+
+/// The record of an earlier run.
+SequenceEvaluation evaluateRecord(const std::string& path, const Options& options) {
+  if (options.labels.empty()) throw std::invalid_argument("evaluate: expected --gt DIR with the labels of " + path);
+  const RunRecording recording = loadRecording(path);
+  LabelFolder folder(options.labels);
+  LabelFrames labels;
+  for (const RecordedFrame& frame : recording.frames) {
+    if (const auto label = folder.load(frame.name)) labels.add(frame.name, *label);
+  }
+  if (labels.empty()) throw IoError(options.labels, "a label of some frame of " + path, "none");
+  DiscoveryRules rules;
+  if (folder.ignoreFrom()) rules.ignore_from = *folder.ignoreFrom();
+  RunScore score = scoreRun(recording, labels, rules);
+  SequenceEvaluation sequence;
+  sequence.input = path;
+  sequence.frames = score.frames;
+  sequence.ours = {recording.only_attended ? "attended candidates" : "open candidates", score.boxes, score.masks};
+  for (const RecordedFrame& frame : recording.frames) {
+    sequence.lost += frame.tracking == "lost" ? 1 : 0;
+    sequence.ours.candidates += static_cast<double>(frame.open.size()) / static_cast<double>(score.frames);
+  }
+  sequence.ours.ms = score.median_ms;
+  sequence.runs.push_back({"recorded run", std::move(score)});
+  return sequence;
+}
+
+bool isRecord(const std::string& input) {
+  const std::string extension = std::filesystem::path(input).extension().string();
+  return extension == ".saccade" || extension == ".jsonl";
+}
+
+void makeFolder(const std::string& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw IoError(folder, "a folder for the report", failure.message());
+}
+
+void sayTracking(const SequenceEvaluation& sequence) {
+  std::cout << fmt::format("{}: {} frames, {} lost", sequence.input, sequence.frames, sequence.lost);
+  if (sequence.ate) {
+    std::cout << fmt::format(", ATE {:.1f} mm (max {:.1f}, {} poses)", sequence.ate->rmse_m * 1000.0,
+                             sequence.ate->max_m * 1000.0, sequence.ate->matched);
+  }
+  if (sequence.rpe) {
+    constexpr double kDegrees = 57.29577951308232;
+    std::cout << fmt::format(", RPE {:.1f} mm, {:.2f} degrees a second", sequence.rpe->translation_rmse_m * 1000.0,
+                             sequence.rpe->rotation_rmse_rad * kDegrees);
+  }
+  if (sequence.propagation) {
+    std::cout << fmt::format(", IoU of propagated masks {:.3f} ({} objects)", sequence.propagation->mean_iou,
+                             sequence.propagation->objects);
+  }
+  std::cout << "\n";
+}
+
+void report(const std::vector<SequenceEvaluation>& sequences, const Options& options) {
+  if (options.json) {
+    std::cout << evaluationJson(sequences, options.k) << "\n";
+  } else {
+    for (const SequenceEvaluation& sequence : sequences) sayTracking(sequence);
+    std::cout << "\n" << alignedTable(methodRows(sequences, options.k));
+    if (!sequences.front().runs.empty()) std::cout << "\n" << alignedTable(runRows(sequences, options.k));
+  }
+  if (options.output.empty()) return;
+  writeEvaluationPage(sequences, options.k, options.output);
+  std::cerr << "written: " << std::filesystem::absolute(options.output) / "index.html"
+            << "\n";
+}
+
+void run(const Options& options) {
+  if (options.print_config) {
+    ExplorerConfig config = effectiveConfig(options);
+    std::cout << printConfig(describing(config), true);
+    return;
+  }
+  if (options.inputs.empty() == options.frames.empty()) {
+    throw std::invalid_argument("evaluate: expected either INPUTs or --frames DIR; see saccade evaluate --help");
+  }
+  if (!options.output.empty()) makeFolder(options.output);
+  std::vector<SequenceEvaluation> sequences;
+  if (!options.frames.empty()) sequences.push_back(evaluateLabelledFrames(options.frames, options));
+  for (const std::string& input : options.inputs) {
+    sequences.push_back(isRecord(input) ? evaluateRecord(input, options) : evaluateInput(input, options));
+    if (!options.output.empty()) writeCurves(sequences, options.k, options.output);
+  }
+  if (!options.output.empty()) writeCurves(sequences, options.k, options.output);
+  report(sequences, options);
 }
 
 }  // namespace
 
 void addEvaluate(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("evaluate", "Compare candidates with labels, frame by frame");
-  command->add_option("--frames", options->frames, "a folder of labelled frames: color/ depth/ label/ camera.txt");
+  CLI::App* command =
+      program.add_subcommand("evaluate", "Measure discovery, inhibition and tracking against the truth");
+  command->add_option("INPUT", options->inputs,
+                      "sequences to run (as for explore), or records of earlier runs: sessions (*.saccade), candidate "
+                      "files (*.jsonl); of several the means are given");
+  command->add_option("--frames", options->frames, "instead: single labelled frames, color/ depth/ label/ camera.txt");
+  command->add_option("--gt", options->labels, "folder of label images NAME.png for all or some frames");
+  command->add_option("--gt-every", options->every, "use only each Nth label and propagate it to the frames between")
+      ->check(CLI::Range(1, 1000000));
+  command->add_flag("--propagate", options->propagate, "carry the labels to frames without any, through the map");
+  command->add_option("--write-masks", options->masks, "write the labels of every frame to this folder (--propagate)");
+  command->add_option("--truth", options->truth, "TUM trajectory to judge tracking by, instead of the input's poses");
+  command->add_option("--poses", options->poses, "believe these poses instead of tracking: \"dataset\" or a TUM file");
+  command->add_option("-k,--candidates", options->k, "candidates attended in a frame")->check(CLI::Range(1, 255));
+  command->add_flag("--compare", options->compare,
+                    "all of the paper's comparisons: colour, depth and both; mf 2, 4, 6; baselines and rivals");
+  command->add_flag("--rivals", options->rivals, "OpenCV's Selective Search and Edge Boxes on the same frames");
+  command->add_flag("--baselines", options->baselines, "our candidates in other orders: by area, saliency, at random");
+  command
+      ->add_option("--vary", options->vary, "a run for each value of a setting, for example inhibition.theta=0.2,0.4")
+      ->expected(1)
+      ->take_all();
+  command->add_option("-o,--output", options->output,
+                      "folder for index.html with all plots (SVG, PNG) and curves (CSV)");
   command->add_flag("--json", options->json, "print JSON");
-  command->add_option("--range", options->range, "frames A:B:STEP of the folder, B excluded");
+  command->add_option("--range", options->range, "frames A:B:STEP of the input, B excluded");
   command->add_option("--config", options->config, "YAML file with settings, see --print-config");
-  command->add_option("--set", options->settings, "one setting, for example ranking.top_k=10; may be repeated")
+  command->add_option("--set", options->settings, "one setting, for example ranking.max_open=100; may be repeated")
       ->expected(1)
       ->take_all();
   command->add_option("--model", options->model, "ranking model written by saccade train, instead of the built-in one");
   command->add_flag("--paper", options->paper, "the paper's method and nothing beyond it");
-  command->add_flag("--no-depth", options->no_depth, "use colour alone");
-  command->add_flag("--print-config", options->print_config, "print the effective settings with their help and stop");
+  command->add_flag("--no-depth", options->no_depth, "use colour alone (with --frames)");
+  command->add_flag("--print-config", options->print_config, "print the effective settings and stop");
   command->callback([options] { run(*options); });
 }
 

@@ -25,11 +25,12 @@ std::int64_t takeNumber(std::string_view text, std::size_t& position) {
   std::int64_t value = 0;
   for (int shift = 0;; shift += kBitsPerCharacter) {
     if (position == text.size() || shift > 50) {
-      throw std::invalid_argument("decodeCocoRle: a number is cut off at character " + std::to_string(position));
+      throw std::invalid_argument("COCO run lengths: a number is cut off at character " + std::to_string(position));
     }
     const int bits = text[position++] - kFirstCharacter;
     if (bits < 0 || bits > 0x3F) {
-      throw std::invalid_argument("decodeCocoRle: character " + std::to_string(position - 1) + " is none of '0'..'o'");
+      throw std::invalid_argument("COCO run lengths: character " + std::to_string(position - 1) +
+                                  " is none of '0'..'o'");
     }
     value |= static_cast<std::int64_t>(bits & 0x1F) << shift;
     if ((bits & 0x20) != 0) continue;
@@ -82,8 +83,7 @@ std::string encodeCocoRle(const cv::Mat1b& part, cv::Point corner, cv::Size size
   return text;
 }
 
-cv::Mat1b decodeCocoRle(std::string_view counts, cv::Size size) {
-  cv::Mat1b mask(size, std::uint8_t{0});
+void forEachCocoRun(std::string_view counts, cv::Size size, const std::function<void(int, int, int)>& visit) {
   const std::int64_t pixels = std::int64_t{1} * size.width * size.height;
   std::vector<std::int64_t> runs;
   std::int64_t filled = 0;
@@ -91,21 +91,32 @@ cv::Mat1b decodeCocoRle(std::string_view counts, cv::Size size) {
     std::int64_t run = takeNumber(counts, position);
     if (runs.size() > 2) run += runs[runs.size() - 2];
     if (run < 0 || run > pixels - filled) {
-      throw std::invalid_argument("decodeCocoRle: run " + std::to_string(runs.size()) + " has " + std::to_string(run) +
-                                  " pixels where " + std::to_string(pixels - filled) + " are left");
+      throw std::invalid_argument("COCO run lengths: run " + std::to_string(runs.size()) + " has " +
+                                  std::to_string(run) + " pixels where " + std::to_string(pixels - filled) +
+                                  " are left");
     }
     if (runs.size() % 2 == 1) {
-      for (std::int64_t i = filled; i < filled + run; ++i) {
-        mask(static_cast<int>(i % size.height), static_cast<int>(i / size.height)) = 255;
+      for (std::int64_t at = filled; at < filled + run;) {
+        const auto begin_v = static_cast<int>(at % size.height);
+        const auto end_v = static_cast<int>(std::min<std::int64_t>(size.height, begin_v + filled + run - at));
+        visit(static_cast<int>(at / size.height), begin_v, end_v);
+        at += end_v - begin_v;
       }
     }
     filled += run;
     runs.push_back(run);
   }
   if (filled != pixels) {
-    throw std::invalid_argument("decodeCocoRle: the runs fill " + std::to_string(filled) + " of " +
+    throw std::invalid_argument("COCO run lengths: they fill " + std::to_string(filled) + " of " +
                                 std::to_string(pixels) + " pixels");
   }
+}
+
+cv::Mat1b decodeCocoRle(std::string_view counts, cv::Size size) {
+  cv::Mat1b mask(size, std::uint8_t{0});
+  forEachCocoRun(counts, size, [&](int u, int begin_v, int end_v) {
+    for (int v = begin_v; v < end_v; ++v) mask(v, u) = 255;
+  });
   return mask;
 }
 

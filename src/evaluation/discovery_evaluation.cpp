@@ -11,22 +11,6 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-void accumulate(Perceiver::Times& sum, const Perceiver::Times& times) {
-  sum.saliency_ms += times.saliency_ms;
-  sum.blobs_ms += times.blobs_ms;
-  sum.color_ms += times.color_ms;
-  sum.surface_ms += times.surface_ms;
-  sum.tables_ms += times.tables_ms;
-}
-
-void divide(Perceiver::Times& sum, double count) {
-  sum.saliency_ms /= count;
-  sum.blobs_ms /= count;
-  sum.color_ms /= count;
-  sum.surface_ms /= count;
-  sum.tables_ms /= count;
-}
-
 Ranker makeRanker(const EvaluationOptions& options) {
   if (options.model) return Ranker(options.discovery.ranking, *options.model);
   return Ranker(options.discovery.ranking);
@@ -40,40 +24,36 @@ DiscoveryEvaluation evaluateFrames(FrameSource& source, const EvaluationOptions&
 
   Perceiver perceiver(options.discovery.perception);
   Ranker ranker = makeRanker(options);
+  ComparedMethods compared(options.compare, options.discovery, options.model, rules);
   DepthPreparation preparation;
   DepthMaps depth;
   Perception seen;
   DiscoveryEvaluation result;
-  result.boxes = result.masks = DiscoveryScore(rules.max_candidates);
+  result.ours = {"colour + depth", DiscoveryScore(rules.max_candidates), DiscoveryScore(rules.max_candidates)};
   RgbdFrame frame;
   for (ReadStatus status = source.read(frame); status != ReadStatus::kEnd; status = source.read(frame)) {
     if (status != ReadStatus::kFrame || frame.label.empty()) continue;
+    if (options.accept && !options.accept(frame)) continue;
 
     const bool with_depth = options.use_depth && !frame.depth_m.empty();
     if (with_depth) preparation.prepare(frame.depth_m, source.description().camera, depth);
-    perceiver.perceive(frame.color, with_depth ? &depth : nullptr, seen);
     const auto start = std::chrono::steady_clock::now();
+    perceiver.perceive(frame.color, with_depth ? &depth : nullptr, seen);
     Candidates pool = proposeCandidates(seen, options.discovery.proposal);
-    const double propose_ms = millisecondsSince(start);
-    result.pool_size += static_cast<double>(pool.size());
-    const Candidates ranked = ranker.rank(std::move(pool), seen);
-    result.rank_ms += millisecondsSince(start) - propose_ms;
-    result.propose_ms += propose_ms;
-    result.ranked += static_cast<double>(ranked.size());
-    accumulate(result.perceive_ms, perceiver.times());
+    const Candidates ranked = ranker.rank(pool, seen);
+    result.ours.ms += millisecondsSince(start);
 
-    result.boxes.add(matchBoxes(ranked, frame.label, rules));
-    result.masks.add(matchMasks(ranked, seen, frame.label, rules));
+    result.pool_size += static_cast<double>(pool.size());
+    result.ours.candidates += static_cast<double>(ranked.size());
+    result.ours.boxes.add(matchBoxes(ranked, frame.label, rules));
+    result.ours.masks->add(matchMasks(ranked, seen, frame.label, rules));
+    compared.add(frame, seen, pool);
     if (options.on_frame) options.on_frame({frame, with_depth ? &depth : nullptr, seen, ranked});
     ++result.frames;
   }
-  if (result.frames == 0) return result;
-  const double count = result.frames;
-  result.pool_size /= count;
-  result.ranked /= count;
-  result.propose_ms /= count;
-  result.rank_ms /= count;
-  divide(result.perceive_ms, count);
+  result.others = compared.finish();
+  result.ours.finish(result.frames);
+  if (result.frames > 0) result.pool_size /= result.frames;
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,10 @@ namespace saccade {
 /// The same for an image of `size` that is 0 outside of `part`, whose first pixel lies at `corner`. Costs the part's
 /// pixels only. Throws std::invalid_argument if the part does not lie within the image.
 [[nodiscard]] std::string encodeCocoRle(const cv::Mat1b& part, cv::Point corner, cv::Size size);
+
+/// Calls `visit(u, begin_v, end_v)` for each run of set pixels within a column, columns from the left, runs from the
+/// top. Throws std::invalid_argument if the runs of `counts` do not fill an image of `size`.
+void forEachCocoRun(std::string_view counts, cv::Size size, const std::function<void(int, int, int)>& visit);
 
 /// The mask (0 or 255) of `size` that `counts` describes. Throws std::invalid_argument if the runs do not fill it.
 [[nodiscard]] cv::Mat1b decodeCocoRle(std::string_view counts, cv::Size size);

@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "saccade/discovery/discovery_config.hpp"
+#include "saccade/evaluation/compared_methods.hpp"
 #include "saccade/evaluation/discovery_metrics.hpp"
 #include "saccade/sources/frame_source.hpp"
 
@@ -21,18 +23,18 @@ struct EvaluationOptions {
   DiscoveryConfig discovery;
   std::optional<RankerModel> model;  ///< instead of the built-in one
   bool use_depth = true;
-  DiscoveryRules rules;  ///< ignore_from is the source's if that names one
+  DiscoveryRules rules;                          ///< ignore_from is the source's if that names one
+  ComparisonOptions compare;                     ///< what else is judged on the same frames
+  std::function<bool(const RgbdFrame&)> accept;  ///< if set: labelled frames for which it is false are skipped
   std::function<void(const EvaluatedFrame&)> on_frame;
 };
 
 /// What `saccade evaluate` reports of single frames: no inhibition, no map, every labelled frame for itself.
 struct DiscoveryEvaluation {
-  DiscoveryScore boxes, masks;
-  int frames = 0;                ///< labelled frames evaluated
-  double pool_size = 0.0;        ///< mean number of candidates before ranking
-  double ranked = 0.0;           ///< mean number after ranking (at most max_open)
-  Perceiver::Times perceive_ms;  ///< means
-  double propose_ms = 0.0, rank_ms = 0.0;
+  MethodScore ours;                 ///< colour + depth; its time is that of perception, proposals and ranking
+  std::vector<MethodScore> others;  ///< as `compare` asks
+  int frames = 0;                   ///< labelled frames evaluated
+  double pool_size = 0.0;           ///< mean number of candidates before ranking
 };
 
 /// Runs discovery on all labelled frames of `source` and compares with their labels (paper, "Evaluation"; TARGETS:

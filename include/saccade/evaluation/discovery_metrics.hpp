@@ -1,9 +1,8 @@
 #pragma once
 
-#include <functional>
 #include <limits>
-#include <map>
 #include <set>
+#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -36,17 +35,24 @@ struct FrameMatches {
   static constexpr int kNever = -1;
 
   std::vector<int> object_ids;
-  std::vector<int> found_at;     ///< of each object: the rank of the first candidate that shows it, or kNever
-  std::vector<char> is_right;    ///< of each candidate by rank: it shows an object
-  std::vector<char> is_ignored;  ///< shows none, and more than half of its pixels are on ignored ids
+  std::vector<int> found_at;         ///< of each object: the rank of the first candidate that shows it, or kNever
+  std::vector<char> is_right;        ///< of each candidate by rank: it shows an object
+  std::vector<char> is_ignored;      ///< shows none, and more than half of its pixels are on ignored ids
+  std::vector<double> best_overlap;  ///< of each object: the largest overlap with any candidate, 0..1
 };
 
-/// Overlap of two boxes above which counts; only the first `rules.max_candidates` of `ranked` are looked at. A box is
-/// ignored by the pixels of the whole box.
+/// Compares boxes, best first; only the first `rules.max_candidates` are looked at. A box is ignored by the pixels of
+/// the whole box.
+[[nodiscard]] FrameMatches matchBoxes(const std::vector<cv::Rect>& ranked, const cv::Mat1w& label,
+                                      const DiscoveryRules& rules);
 [[nodiscard]] FrameMatches matchBoxes(const Candidates& ranked, const cv::Mat1w& label, const DiscoveryRules& rules);
 
 /// The same with pixel masks; a mask is ignored by its own pixels.
 [[nodiscard]] FrameMatches matchMasks(const Candidates& ranked, const Perception& seen, const cv::Mat1w& label,
+                                      const DiscoveryRules& rules);
+/// The same with masks as compressed COCO run lengths. Throws std::invalid_argument for one that does not fit the
+/// label.
+[[nodiscard]] FrameMatches matchMasks(const std::vector<std::string>& ranked, const cv::Mat1w& label,
                                       const DiscoveryRules& rules);
 
 /// Intersection over union of a candidate's mask with each object of `objects`.
@@ -68,10 +74,16 @@ class DiscoveryScore {
   [[nodiscard]] double precision(int k) const;
   /// Harmonic mean of precision(k) and recall(k); 0 if both are.
   [[nodiscard]] double fScore(int k) const;
+  /// Area under precision over 1 .. max_candidates, divided by max_candidates.
+  [[nodiscard]] double precisionAuc() const;
+  /// Mean over frames with objects of the mean over objects of the best overlap.
+  [[nodiscard]] double meanBestOverlap() const;
   /// Area under recall over 1 .. max_candidates, divided by max_candidates.
   [[nodiscard]] double recallAuc() const;
   /// Share of all distinct object ids that any frame found among its first k.
   [[nodiscard]] double globalRecall(int k) const;
+  /// The same after each frame: share of the distinct ids of the *whole* sequence found up to it.
+  [[nodiscard]] std::vector<double> globalRecallOverTime(int k) const;
 
  private:
   int max_candidates_;

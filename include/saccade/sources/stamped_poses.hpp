@@ -28,6 +28,9 @@ class StampedPoses {
 
   [[nodiscard]] bool empty() const { return poses_.empty(); }
   [[nodiscard]] std::size_t size() const { return poses_.size(); }
+  /// The i-th by stamp.
+  [[nodiscard]] double stamp(std::size_t i) const { return poses_[i].first; }
+  [[nodiscard]] const Pose& pose(std::size_t i) const { return poses_[i].second; }
   /// Pose with the nearest stamp, if that is within `max_difference_s`.
   [[nodiscard]] std::optional<Pose> nearest(double stamp_s, double max_difference_s) const;
   /// Pose between the two neighbours if both are within `max_difference_s`, else the nearest, if that one is.

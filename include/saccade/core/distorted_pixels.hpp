@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "saccade/core/camera.hpp"
+#include "saccade/core/lens_distortion.hpp"
+
+namespace saccade {
+
+/// Takes images of the ideal camera C back to the pixels of the input's own colour image, nearest pixel by nearest
+/// pixel: the inverse of what a source does when it removes lens distortion. Owns a table of 4 bytes a pixel.
+class DistortedPixels {
+ public:
+  /// Without distortion the images are the same. Throws std::invalid_argument on an empty camera.
+  DistortedPixels(const PinholeCamera& camera, const LensDistortion& distortion);
+
+  [[nodiscard]] bool areIdeal() const { return ideal_pixel_.empty(); }
+  [[nodiscard]] cv::Size size() const { return size_; }
+
+  /// Writes the input's view of `ideal` to `distorted`, which may not share its pixels; `outside` where the input sees
+  /// what C does not. Throws std::invalid_argument for an image of another size.
+  template <typename T>
+  void distort(const cv::Mat_<T>& ideal, cv::Mat_<T>& distorted, T outside) const {
+    requireSize(ideal);
+    if (areIdeal()) {
+      ideal.copyTo(distorted);
+      return;
+    }
+    distorted.create(size_);
+    const std::int32_t* from = ideal_pixel_.data();
+    for (int v = 0; v < size_.height; ++v) {
+      T* row = distorted[v];
+      for (int u = 0; u < size_.width; ++u, ++from) {
+        row[u] = *from < 0 ? outside : ideal(*from / size_.width, *from % size_.width);
+      }
+    }
+  }
+
+ private:
+  void requireSize(const cv::Mat& image) const;
+
+  cv::Size size_;
+  std::vector<std::int32_t> ideal_pixel_;  ///< of each pixel of the input: its position in C's image, or -1
+};
+
+}  // namespace saccade
