@@ -30,7 +30,7 @@ struct Options {
 
 ExplorerConfig effectiveConfig(const Options& options) {
   ExplorerConfig config;
-  if (options.paper) config.discovery.usePaperOnly();
+  if (options.paper) config.usePaperOnly();
   if (!options.config.empty()) applyConfigFile(options.config, describing(config));
   applyConfigSettings(options.settings, describing(config));
   config.discovery.ranking.top_k = options.k;

@@ -40,7 +40,7 @@ struct Options {
 
 ExplorerConfig effectiveConfig(const Options& options) {
   ExplorerConfig config;
-  if (options.paper) config.discovery.usePaperOnly();
+  if (options.paper) config.usePaperOnly();
   if (!options.config.empty()) applyConfigFile(options.config, describing(config));
   if (options.no_ior) config.discovery.inhibition.enabled = false;
   applyConfigSettings(options.settings, describing(config));

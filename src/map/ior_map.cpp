@@ -71,14 +71,28 @@ IntegrationReport IorMap::integrate(const DepthMaps& depth, const cv::Mat3b& col
   return integrator_->integrate(*tree_, depth, color, T_WC);
 }
 
+/// Makes attended_keys_ of `keys`: each once, or each of the eight leaves of their blocks once.
+void IorMap::listAttended(std::span<const LeafKey> keys) {
+  constexpr std::uint64_t kX = std::uint64_t{1} << 32, kY = std::uint64_t{1} << 16, kZ = 1;
+  const std::uint64_t kept = config_.attend_blocks ? ~(kX | kY | kZ) : ~std::uint64_t{0};
+  attended_keys_.clear();
+  for (const LeafKey& key : keys) attended_keys_.push_back(key.packed() & kept);
+  std::sort(attended_keys_.begin(), attended_keys_.end());
+  attended_keys_.erase(std::unique(attended_keys_.begin(), attended_keys_.end()), attended_keys_.end());
+  if (!config_.attend_blocks) return;
+  const std::size_t blocks = attended_keys_.size();
+  attended_keys_.reserve(8 * blocks);
+  for (const std::uint64_t offset : {kZ, kY, kY | kZ, kX, kX | kZ, kX | kY, kX | kY | kZ}) {
+    for (std::size_t i = 0; i < blocks; ++i) attended_keys_.push_back(attended_keys_[i] | offset);
+  }
+  std::sort(attended_keys_.begin(), attended_keys_.end());
+}
+
 AttentionReport IorMap::attend(std::span<const LeafKey> keys) {
   AttentionReport report;
   const Tick now = tree_->now();
   report.tick = now;
-  attended_keys_.clear();
-  for (const LeafKey& key : keys) attended_keys_.push_back(key.packed());
-  std::sort(attended_keys_.begin(), attended_keys_.end());
-  attended_keys_.erase(std::unique(attended_keys_.begin(), attended_keys_.end()), attended_keys_.end());
+  listAttended(keys);
 
   for (const std::uint64_t packed : attended_keys_) {
     const LeafKey key = LeafKey::fromPacked(packed);

@@ -48,7 +48,7 @@ static_assert(sizeof(IorState) == 4);
 
 /// Parameters of the law.
 struct IorParameters {
-  int ior_limit = 10;  ///< weight at which the flag goes on (the paper's IOR_LIMIT; the number is ours)
+  int ior_limit = 3;  ///< weight at which the flag goes on (the paper's IOR_LIMIT; the number is by experiment)
   double mf = 6.0;     ///< factor on the weight when the flag goes on (paper: 2, 4, 6)
 
   void describe(ConfigVisitor& v) {

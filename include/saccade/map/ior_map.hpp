@@ -33,6 +33,7 @@ struct IorMapConfig {
   double lowest_probability = 0.1192;  ///< clamping
   double highest_probability = 0.971;  ///< clamping
   IorParameters ior;
+  bool attend_blocks = true;  ///< see IorMap::attend()
 
   void describe(ConfigVisitor& v) {
     v.number("leaf_size_m", leaf_size_m, {0.001, 1.0}, "m", "edge of the finest leaves");
@@ -43,6 +44,7 @@ struct IorMapConfig {
     v.number("lowest_probability", lowest_probability, {0.0001, 0.4999}, "", "occupancy is clamped below here");
     v.number("highest_probability", highest_probability, {0.5001, 0.9999}, "", "occupancy is clamped above here");
     v.section("ior", ior, "inhibition of return");
+    v.flag("attend_blocks", attend_blocks, "a leaf that is attended takes the others of its block of 2x2x2 with it");
   }
 };
 
@@ -98,6 +100,10 @@ class IorMap {
 
   /// Attends each of `keys` once, whatever their order and repetition, and closes the tick: now() is one later
   /// (paper, "3D IOR map update"). Free and unknown leaves are left alone. An empty list lets a tick pass.
+  ///
+  /// With `attend_blocks` the occupied leaves of each block of 2x2x2 are attended together. A measured surface is a
+  /// shell some leaves thick, of which every pose sees others; attended one by one, none of them would be looked at
+  /// long enough to be inhibited.
   AttentionReport attend(std::span<const LeafKey> keys);
 
   [[nodiscard]] Tick now() const;
@@ -131,6 +137,8 @@ class IorMap {
   void setNow(Tick now);
 
  private:
+  void listAttended(std::span<const LeafKey> keys);
+
   Config config_;
   std::unique_ptr<IorOcTree> tree_;
   std::unique_ptr<FrameIntegrator> integrator_;

@@ -30,6 +30,12 @@ struct ExplorerConfig {
     visitor.section("motion", motion, "prediction of the camera's motion");
     visitor.section("tracking", tracking, "ICP, frame to model");
   }
+
+  /// Switches off everything in discovery and attention that goes beyond the paper.
+  void usePaperOnly() {
+    discovery.usePaperOnly();
+    map.attend_blocks = false;
+  }
 };
 
 }  // namespace saccade

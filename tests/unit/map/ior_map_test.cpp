@@ -1,5 +1,6 @@
 #include "saccade/map/ior_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -20,6 +21,7 @@ IorMapConfig coarseConfig() {
   config.leaf_size_m = kLeafSize_m;
   config.ior.ior_limit = 2;
   config.ior.mf = 3;
+  config.attend_blocks = false;
   return config;
 }
 
@@ -167,6 +169,35 @@ TEST(IorMap, AttendsEachLeafOnceATickAndFlagsItAtTheLimit) {
   }
   EXPECT_FALSE(inhibited(map.findLeaf(key)->ior, map.now()));
   EXPECT_FALSE(inhibited(map.view().root.ior(), map.now()));
+}
+
+TEST(IorMap, AttendsTheOccupiedLeavesOfABlockTogetherAndOnceATick) {
+  IorMapConfig config = coarseConfig();
+  config.attend_blocks = true;
+  IorMap map(config);
+  // A wall that cuts through its leaves at a slant: blocks are partly occupied.
+  DepthMaps slanted = wall(1.0f);
+  for (int u = 0; u < slanted.depth_m.cols; ++u) slanted.depth_m.col(u) = 1.0f + 0.005f * static_cast<float>(u);
+  map.integrate(slanted, {}, Pose::Identity());
+  const std::vector<LeafKey> occupied = occupiedKeys(map);
+  const auto sameBlock = [](const LeafKey& a, const LeafKey& b) {
+    return a.x / 2 == b.x / 2 && a.y / 2 == b.y / 2 && a.z / 2 == b.z / 2;
+  };
+  // Looking at one leaf and at another of the same block is one look at the block.
+  const LeafKey first = occupied[occupied.size() / 2];
+  std::vector<LeafKey> block;
+  for (const LeafKey& key : occupied) {
+    if (sameBlock(key, first)) block.push_back(key);
+  }
+  ASSERT_GT(block.size(), 1u);
+  ASSERT_LT(block.size(), 8u);
+  const AttentionReport report = map.attend(std::vector<LeafKey>{block.front(), block.back()});
+  EXPECT_EQ(report.attended, static_cast<int>(block.size()));
+  for (const LeafKey& key : occupied) {
+    EXPECT_EQ(weight(map.findLeaf(key)->ior, map.now()), sameBlock(key, first) ? 1u : 0u);
+  }
+  std::sort(block.begin(), block.end());
+  EXPECT_EQ(map.attend(std::vector<LeafKey>{first}).flags_on, block);
 }
 
 TEST(IorMap, EveryInnerNodeAboveAnInhibitedLeafSaysSo) {
