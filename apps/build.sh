@@ -14,20 +14,7 @@ while [ $# -gt 0 ] && [ "$1" != "--" ]; do
 done
 [ $# -gt 0 ] && shift
 
-missing=""
-for package in $(grep -v '^#' "$root/apps/packages.txt"); do
-  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed' || missing="$missing $package"
-done
-if [ -n "$missing" ]; then
-  as_root=""
-  if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || { echo "Saccade needs these Debian packages, and sudo is not here to install them:$missing" >&2; exit 1; }
-    as_root=sudo
-  fi
-  echo "Installing Debian packages:$missing" >&2
-  $as_root apt-get update -qq
-  $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
-fi
+"$root/apps/install-packages.sh" $(grep -v '^#' "$root/apps/packages.txt")
 
 if [ ! -f "$build/build.ninja" ] || [ -n "$options" ]; then
   cmake -S "$root" -B "$build" -G Ninja $options >"${TMPDIR:-/tmp}/saccade-cmake.$$" 2>&1 || {

@@ -1,26 +1,28 @@
 #!/bin/sh
 # Builds Saccade and runs its tests; installs what a bare Debian 12 lacks.
-#   tests/run.sh          unit and system tests
-#   tests/run.sh --slow   also the long sequences, and everything again under address and undefined-behaviour sanitizers
+#   tests/run.sh              unit and system tests
+#   tests/run.sh --sanitize   the same again under address and undefined-behaviour sanitizers
+#   tests/run.sh --slow       also the long sequences, and the sanitizers
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=${SACCADE_BUILD_DIR:-$root/build}
 slow=no
+sanitize=no
 for argument in "$@"; do
   case $argument in
-    --slow) slow=yes ;;
-    *) echo "tests/run.sh: unknown option $argument (expected --slow)" >&2; exit 2 ;;
+    --slow) slow=yes sanitize=yes ;;
+    --sanitize) sanitize=yes ;;
+    *) echo "tests/run.sh: unknown option $argument (expected --sanitize or --slow)" >&2; exit 2 ;;
   esac
 done
 
 "$root/apps/build.sh" "$build" -DCMAKE_BUILD_TYPE=Release -DSACCADE_BUILD_TESTS=ON -DSACCADE_WERROR=ON
-cd "$build"
-if [ $slow = no ]; then
-  exec ctest --output-on-failure --parallel "$(nproc)" --label-exclude slow
+if [ $sanitize = yes ]; then
+  "$root/apps/build.sh" "$build-sanitize" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSACCADE_BUILD_TESTS=ON \
+    -DSACCADE_SANITIZE=address,undefined
+  (cd "$build-sanitize" && ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
+    ctest --output-on-failure --parallel "$(nproc)" --label-exclude slow)
 fi
-
-"$root/apps/build.sh" "$build-sanitize" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSACCADE_BUILD_TESTS=ON \
-  -DSACCADE_SANITIZE=address,undefined
-(cd "$build-sanitize" && ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
-  ctest --output-on-failure --parallel "$(nproc)" --label-exclude slow)
-exec ctest --output-on-failure --parallel "$(nproc)"
+cd "$build"
+[ $slow = yes ] && exec ctest --output-on-failure --parallel "$(nproc)"
+exec ctest --output-on-failure --parallel "$(nproc)" --label-exclude slow

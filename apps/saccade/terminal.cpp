@@ -65,6 +65,7 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       table += i == 0 ? fmt::format("{:<{}}", row[i], widths[i]) : fmt::format("  {:>{}}", row[i], widths[i]);
     }
+    table.erase(table.find_last_not_of(' ') + 1);
     table += "\n";
   }
   return table;

@@ -149,6 +149,8 @@ void judgeTracking(const FirstRun& first, const SequenceOptions& options, Sequen
 }  // namespace
 
 SequenceEvaluation evaluateSequence(const std::string& input, const SequenceOptions& options) {
+  const auto inhibiting = runsWithInhibition(options);  // first of all: a setting may be wrong
+
   // 1. Run without inhibition: poses, map, labels for the other frames.
   const FirstRun first = runWithoutInhibition(input, options);
   SequenceEvaluation evaluation;
@@ -180,7 +182,7 @@ SequenceEvaluation evaluateSequence(const std::string& input, const SequenceOpti
   DiscoveryRules rules = options.rules;
   if (evaluation.ignore_from) rules.ignore_from = *evaluation.ignore_from;
   evaluation.runs.push_back({"without IOR", scoreRun(first.recording, evaluation.labels, rules)});
-  for (const auto& [name, config] : runsWithInhibition(options)) {
+  for (const auto& [name, config] : inhibiting) {
     ReadAhead source(open(input, options));
     const auto poseOf = [&](const RgbdFrame& frame) {
       const auto known = first.poses.find(frame.index.value);
