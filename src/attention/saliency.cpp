@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -43,18 +44,23 @@ SACCADE_MULTIVERSION void opponentRow(const std::uint16_t* blue, const std::uint
 /// Sums of 2 x 2 bytes.
 SACCADE_MULTIVERSION void sumBlocks(const std::uint8_t* upper, const std::uint8_t* lower, int columns,
                                     std::uint16_t* sums) {
-  for (int x = 0; x < columns; ++x) {
-    sums[x] = static_cast<std::uint16_t>(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+  for (int x = 0; x < columns; ++x) {  // two bytes as one word: the loop loads and adds whole vectors of words
+    std::uint16_t above, below;
+    std::memcpy(&above, upper + 2 * x, sizeof above);
+    std::memcpy(&below, lower + 2 * x, sizeof below);
+    sums[x] = static_cast<std::uint16_t>((above & 0xFF) + (above >> 8) + (below & 0xFF) + (below >> 8));
   }
 }
 
-SACCADE_MULTIVERSION std::pair<float, float> rangeOf(const float* values, int count) {
-  float low = values[0], high = values[0];
-  for (int i = 0; i < count; ++i) {
-    low = values[i] < low ? values[i] : low;
-    high = values[i] > high ? values[i] : high;
+/// Widens the ranges low[i] ... high[i], one for each column of a block, by the values of a row of whole blocks.
+SACCADE_MULTIVERSION void widenRanges(const float* values, int blocks, float* low, float* high) {
+  for (int b = 0; b < blocks; ++b) {
+    for (int i = 0; i < kBlock; ++i) {
+      const float v = values[b * kBlock + i];
+      low[i] = v < low[i] ? v : low[i];
+      high[i] = v > high[i] ? v : high[i];
+    }
   }
-  return {low, high};
 }
 
 SACCADE_MULTIVERSION void stretchRow(float low, float scale, int columns, float* values) {
@@ -66,6 +72,12 @@ SACCADE_MULTIVERSION void stretchRow(float low, float scale, int columns, float*
 
 double square(double x) {
   return x * x;
+}
+
+/// Bytes from one channel of a split row to the next: OpenCV writes channels that begin at equal remainders of a vector
+/// past the cache, and to read them back from memory would take as long as all the rest of their work.
+std::size_t splitStride(int width) {
+  return static_cast<std::size_t>((width + kBlock - 1) / kBlock * kBlock + 1);
 }
 
 std::vector<float> kernelOfVariance(double variance) {
@@ -161,7 +173,7 @@ void SaliencyModel::Pyramid::makeOctave(const SaliencyConfig& config, int layer)
   const double layer_pixel = std::exp2(layer - octave.pixel_log2);
   const double center = square(config.center_sigma * layer_pixel);
   const double widening = square(config.surround_sigma * layer_pixel) - center;
-  octave.surround_is_halved = octave.pixel_log2 > layer && widening / 4.0 > 4.0 * kHalvingVariance;
+  octave.surround_is_halved = octave.pixel_log2 <= first_halvings + 1 && widening / 4.0 > 4.0 * kHalvingVariance;
   const int scales = config.scales_per_octave;
   for (int s = 0; s < scales; ++s) {
     const double growth = std::exp2(2.0 * s / scales), growth_before = std::exp2(2.0 * (s - 1) / scales);
@@ -193,12 +205,12 @@ void SaliencyModel::Pyramid::makePlanes() {
     resize(octave.surround, octave.surround_is_halved ? half(level) : level);
     level = octave.next_is_halved ? half(level) : level;
   }
-  bytes.resize(static_cast<std::size_t>(size.width) * kChannels * 2 + 2 * kBlock);
+  bytes.resize(splitStride(size.width) * kChannels * 2);
   sums.resize(static_cast<std::size_t>(size.width) * kChannels + kBlock);
 }
 
 void SaliencyModel::Pyramid::loadOpponentPlanes(const cv::Mat3b& bgr) {
-  const std::size_t width = static_cast<std::size_t>(size.width);
+  const std::size_t width = static_cast<std::size_t>(size.width), stride = splitStride(size.width);
   const bool halves = first_halvings > 0;
   const int columns = opponent[0].width;
   const float scale = 1.0F / (halves ? 4.0F * 255.0F : 255.0F);
@@ -209,8 +221,8 @@ void SaliencyModel::Pyramid::loadOpponentPlanes(const cv::Mat3b& bgr) {
     std::array<std::uint8_t*, kChannels> upper{}, lower{};
     std::array<std::uint16_t*, kChannels> sum{};
     for (std::size_t c = 0; c < kChannels; ++c) {
-      upper[c] = bytes.data() + 2 * c * width;
-      lower[c] = upper[c] + width;
+      upper[c] = bytes.data() + c * stride;
+      lower[c] = upper[c] + kChannels * stride;
       sum[c] = sums.data() + c * width;
     }
     if (halves) {
@@ -290,7 +302,9 @@ void SaliencyModel::Pyramid::stretch(const Plane& fused, cv::Mat1f& map) {
     }
     sum = &finer;
   }
-  float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+  std::array<float, kBlock> lowest, highest;
+  lowest.fill(std::numeric_limits<float>::max());
+  highest.fill(std::numeric_limits<float>::lowest());
   for (int y = 0; y < size.height; ++y) {
     float* row = map[y];
     if (halvings == 1) {
@@ -298,10 +312,14 @@ void SaliencyModel::Pyramid::stretch(const Plane& fused, cv::Mat1f& map) {
     } else {
       std::copy_n(sum->row(y), size.width, row);
     }
-    const auto [row_low, row_high] = rangeOf(row, size.width);
-    low = std::min(low, row_low);
-    high = std::max(high, row_high);
+    widenRanges(row, size.width / kBlock, lowest.data(), highest.data());
+    for (int x = size.width / kBlock * kBlock; x < size.width; ++x) {
+      lowest[0] = std::min(lowest[0], row[x]);
+      highest[0] = std::max(highest[0], row[x]);
+    }
   }
+  const float low = *std::min_element(lowest.begin(), lowest.end());
+  const float high = *std::max_element(highest.begin(), highest.end());
   const float scale = high - low < kLeastContrast ? 0.0F : 1.0F / (high - low);
   for (int y = 0; y < size.height; ++y) {
     stretchRow(low, scale, size.width, map[y]);
