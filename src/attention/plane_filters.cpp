@@ -14,6 +14,9 @@ namespace {
 
 constexpr int kMaxRadius = 191;
 
+/// Weights of the two nearest and the two next samples for a value half-way: the cubic through all four.
+constexpr float kNear = 9.0F / 16.0F, kFar = -1.0F / 16.0F;
+
 /// out[x] = in[0][x] * w[0] + sum over k of (in[k][x] + in[-k][x]) * w[k], for whole blocks.
 SACCADE_MULTIVERSION void blendRows(const float* const* above, const float* const* below, const float* weights,
                                     int radius, int columns, float* out) {
@@ -58,9 +61,17 @@ SACCADE_MULTIVERSION void blurRow(const float* in, const float* weights, int rad
   }
 }
 
-SACCADE_MULTIVERSION void halveRows(const float* upper, const float* lower, int columns, float* out) {
+SACCADE_MULTIVERSION void smoothRows(const float* above, const float* here, const float* below, int columns,
+                                     float* out) {
   for (int x = 0; x < columns; ++x) {
-    out[x] = 0.25F * ((upper[2 * x] + upper[2 * x + 1]) + (lower[2 * x] + lower[2 * x + 1]));
+    out[x] = 0.5F * here[x] + 0.25F * (above[x] + below[x]);
+  }
+}
+
+/// Every other pixel of the row, smoothed; `in` must be readable from -1 to 2 * columns.
+SACCADE_MULTIVERSION void smoothEvenPixels(const float* in, int columns, float* out) {
+  for (int x = 0; x < columns; ++x) {
+    out[x] = 0.5F * in[2 * x] + 0.25F * (in[2 * x - 1] + in[2 * x + 1]);
   }
 }
 
@@ -76,20 +87,43 @@ SACCADE_MULTIVERSION void mixFourRows(const std::array<const float*, 4>& rows, c
   }
 }
 
-/// Adds pairs of interpolated values; `in` must be readable from -2 to columns + 2.
-SACCADE_MULTIVERSION void addEnlargedRow(const float* in, const std::array<float, 4>& even,
-                                         const std::array<float, 4>& odd, int columns, float* out) {
+/// Pairs of interpolated values; `in` must be readable from -2 to columns + 2.
+SACCADE_MULTIVERSION void enlargePairs(const float* in, const std::array<float, 4>& even,
+                                       const std::array<float, 4>& odd, int columns, float* out) {
   const float e0 = even[0], e1 = even[1], e2 = even[2], e3 = even[3];
   const float o0 = odd[0], o1 = odd[1], o2 = odd[2], o3 = odd[3];
   for (int x = 0; x < columns; ++x) {
-    out[2 * x] += e0 * in[x - 2] + e1 * in[x - 1] + e2 * in[x] + e3 * in[x + 1];
-    out[2 * x + 1] += o0 * in[x - 1] + o1 * in[x] + o2 * in[x + 1] + o3 * in[x + 2];
+    out[2 * x] = e0 * in[x - 2] + e1 * in[x - 1] + e2 * in[x] + e3 * in[x + 1];
+    out[2 * x + 1] = o0 * in[x - 1] + o1 * in[x] + o2 * in[x + 1] + o3 * in[x + 2];
   }
 }
 
-SACCADE_MULTIVERSION void addAbsoluteDifferenceRow(const float* a, const float* b, std::size_t count, float* sum) {
-  for (std::size_t i = 0; i < count; ++i) {
-    sum[i] += std::abs(a[i] - b[i]);
+/// Interpolated values, one for each pixel; `in` must be readable from -2 to columns + 1.
+SACCADE_MULTIVERSION void shiftPixels(const float* in, const std::array<float, 4>& weights, int columns, float* out) {
+  const float w0 = weights[0], w1 = weights[1], w2 = weights[2], w3 = weights[3];
+  for (int x = 0; x < columns; ++x) {
+    out[x] = w0 * in[x - 2] + w1 * in[x - 1] + w2 * in[x] + w3 * in[x + 1];
+  }
+}
+
+SACCADE_MULTIVERSION void addRow(const float* in, int columns, float* sum) {
+  for (int x = 0; x < columns; ++x) {
+    sum[x] += in[x];
+  }
+}
+
+SACCADE_MULTIVERSION void addAbsoluteDifferenceRow(const float* a, const float* b, int columns, float* sum) {
+  for (int x = 0; x < columns; ++x) {
+    sum[x] += std::abs(a[x] - b[x]);
+  }
+}
+
+/// The same with a row of half as many pixels, interpolated between; `half` must be readable from -1 to columns + 2.
+SACCADE_MULTIVERSION void addAbsoluteDifferenceFromHalf(const float* a, const float* half, int columns, float* sum) {
+  for (int x = 0; x < columns; ++x) {
+    const float between = kNear * (half[x] + half[x + 1]) + kFar * (half[x - 1] + half[x + 2]);
+    sum[2 * x] += std::abs(a[2 * x] - half[x]);
+    sum[2 * x + 1] += std::abs(a[2 * x + 1] - between);
   }
 }
 
@@ -140,65 +174,105 @@ std::vector<float> gaussianHalfKernel(double sigma) {
 }
 
 void PlaneFilter::blur(const Plane& in, const std::vector<float>& half_kernel, Plane& out) {
+  for (int y = 0; y < in.height; ++y) {
+    blurOneRow(in, half_kernel, y, out.row(y));
+  }
+}
+
+void PlaneFilter::blurOneRow(const Plane& in, const std::vector<float>& half_kernel, int y, float* out) {
   const int radius = static_cast<int>(half_kernel.size()) - 1;
   if (radius > kMaxRadius) {
     throw std::invalid_argument("blur: expected a radius up to " + std::to_string(kMaxRadius) + ", found " +
                                 std::to_string(radius));
   }
-  const int margin = radius + kBlock;
-  row_.resize(std::max(row_.size(), static_cast<std::size_t>(in.stride + 2 * margin)));
-  float* middle = row_.data() + margin;
-  std::array<const float*, kMaxRadius + 1> above{}, below{};
-  for (int y = 0; y < in.height; ++y) {
-    for (int k = 0; k <= radius; ++k) {
-      above[static_cast<std::size_t>(k)] = in.row(std::max(0, y - k));
-      below[static_cast<std::size_t>(k)] = in.row(std::min(in.height - 1, y + k));
-    }
-    blendRows(above.data(), below.data(), half_kernel.data(), radius, in.stride, middle);
-    std::fill_n(middle - radius, radius, middle[0]);
-    std::fill_n(middle + in.width, in.stride - in.width + radius, middle[in.width - 1]);
-    blurRow(middle, half_kernel.data(), radius, in.stride, out.row(y));
+  float* middle = rowWithMargin(in.stride, radius + kBlock);
+  std::array<const float*, kMaxRadius + 1> above, below;
+  for (int k = 0; k <= radius; ++k) {
+    above[static_cast<std::size_t>(k)] = in.row(std::max(0, y - k));
+    below[static_cast<std::size_t>(k)] = in.row(std::min(in.height - 1, y + k));
   }
+  blendRows(above.data(), below.data(), half_kernel.data(), radius, in.stride, middle);
+  std::fill_n(middle - radius, radius, middle[0]);
+  std::fill_n(middle + in.width, in.stride - in.width + radius, middle[in.width - 1]);
+  blurRow(middle, half_kernel.data(), radius, in.stride, out);
+}
+
+float* PlaneFilter::rowWithMargin(int columns, int margin) {
+  row_.resize(std::max(row_.size(), static_cast<std::size_t>(columns + 2 * margin)));
+  return row_.data() + margin;
 }
 
 void PlaneFilter::halve(const Plane& in, Plane& out) {
+  constexpr int kMargin = 1;
+  float* middle = rowWithMargin(in.stride, kMargin);
   for (int y = 0; y < out.height; ++y) {
-    const float* upper = in.row(2 * y);
-    const float* lower = in.row(std::min(in.height - 1, 2 * y + 1));
-    halveRows(upper, lower, in.width / 2, out.row(y));
-    if (in.width % 2 == 1) {
-      out.row(y)[out.width - 1] = 0.5F * (upper[in.width - 1] + lower[in.width - 1]);
-    }
+    smoothRows(in.row(std::max(0, 2 * y - 1)), in.row(2 * y), in.row(std::min(in.height - 1, 2 * y + 1)), in.width,
+               middle);
+    middle[-1] = middle[0];
+    middle[in.width] = middle[in.width - 1];
+    smoothEvenPixels(middle, out.width, out.row(y));
   }
 }
 
-void PlaneFilter::addEnlarged(const Plane& in, double shift, Plane& out) {
-  // Output pixel 2i lies at i - 1/4 - shift of the input, pixel 2i + 1 at i + 1/4 - shift: the first between the
-  // samples i - 1 and i, the second between i and i + 1.
-  const std::array<float, 4> even = cubicWeights(0.75 - shift);
-  const std::array<float, 4> odd = cubicWeights(0.25 - shift);
+/// Row `first` + t of `in`, with 2 more pixels at both ends: the row y of its samples interpolated.
+float* PlaneFilter::interpolateRow(const Plane& in, const std::array<float, 4>& weights, int first) {
   constexpr int kMargin = 2;
-  row_.resize(std::max(row_.size(), static_cast<std::size_t>(in.stride + 2 * kMargin)));
-  float* middle = row_.data() + kMargin;
-  for (int y = 0; y < out.height; ++y) {
-    const int first = y / 2 - (y % 2 == 0 ? 2 : 1);
-    std::array<const float*, 4> rows{};
-    for (int k = 0; k < 4; ++k) {
-      rows[static_cast<std::size_t>(k)] = in.row(std::clamp(first + k, 0, in.height - 1));
+  float* middle = rowWithMargin(in.stride, kMargin);
+  std::array<const float*, 4> rows;
+  for (int k = 0; k < 4; ++k) {
+    rows[static_cast<std::size_t>(k)] = in.row(std::clamp(first + k, 0, in.height - 1));
+  }
+  mixFourRows(rows, weights, in.width, middle);
+  std::fill_n(middle - kMargin, kMargin, middle[0]);
+  std::fill_n(middle + in.width, kMargin, middle[in.width - 1]);
+  return middle;
+}
+
+void PlaneFilter::enlargeOneRow(const Plane& in, double shift, int y, int columns, float* out) {
+  // Output pixel 2i lies at i - shift of the input, between the samples i - 1 and i; pixel 2i + 1 lies at
+  // i + 1/2 - shift, between the samples i and i + 1.
+  const std::array<float, 4> even = cubicWeights(1.0 - shift);
+  const std::array<float, 4> odd = cubicWeights(0.5 - shift);
+  const float* middle = y % 2 == 0 ? interpolateRow(in, even, y / 2 - 2) : interpolateRow(in, odd, y / 2 - 1);
+  enlargePairs(middle, even, odd, columns / 2, out);
+  if (columns % 2 == 1) {
+    shiftPixels(middle + columns / 2, even, 1, out + columns - 1);
+  }
+}
+
+void PlaneFilter::addResampled(const Plane& in, double shift, Plane& sum) {
+  added_row_.resize(std::max(added_row_.size(), static_cast<std::size_t>(sum.stride)));
+  const bool same_size = in.width == sum.width && in.height == sum.height;
+  const std::array<float, 4> weights = cubicWeights(1.0 - shift);
+  for (int y = 0; y < sum.height; ++y) {
+    if (same_size) {
+      shiftPixels(interpolateRow(in, weights, y - 2), weights, sum.width, added_row_.data());
+    } else {
+      enlargeOneRow(in, shift, y, sum.width, added_row_.data());
     }
-    mixFourRows(rows, y % 2 == 0 ? even : odd, in.width, middle);
-    std::fill_n(middle - kMargin, kMargin, middle[0]);
-    std::fill_n(middle + in.width, kMargin, middle[in.width - 1]);
-    addEnlargedRow(middle, even, odd, out.width / 2, out.row(y));
-    if (out.width % 2 == 1) {
-      const float* at = middle + out.width / 2;
-      out.row(y)[out.width - 1] += even[0] * at[-2] + even[1] * at[-1] + even[2] * at[0] + even[3] * at[1];
+    addRow(added_row_.data(), sum.width, sum.row(y));
+  }
+}
+
+void PlaneFilter::addContrast(const Plane& center, const Plane& surround, Plane& sum) {
+  const bool same_size = surround.width == center.width && surround.height == center.height;
+  for (int y = 0; y < center.height; ++y) {
+    if (same_size) {
+      addAbsoluteDifferenceRow(center.row(y), surround.row(y), center.width, sum.row(y));
+    } else {
+      addContrastFromHalf(center.row(y), surround, y, center.width, sum.row(y));
     }
   }
 }
 
-void addAbsoluteDifference(const Plane& a, const Plane& b, Plane& sum) {
-  addAbsoluteDifferenceRow(a.values.data(), b.values.data(), a.values.size(), sum.values.data());
+void PlaneFilter::addContrastFromHalf(const float* center, const Plane& surround, int y, int columns, float* sum) {
+  const std::array<float, 4> weights =
+      y % 2 == 0 ? std::array{0.0F, 1.0F, 0.0F, 0.0F} : std::array{kFar, kNear, kNear, kFar};
+  const float* middle = interpolateRow(surround, weights, y / 2 - 1);
+  addAbsoluteDifferenceFromHalf(center, middle, columns / 2, sum);
+  if (columns % 2 == 1) {
+    addAbsoluteDifferenceRow(center + columns - 1, middle + columns / 2, 1, sum + columns - 1);
+  }
 }
 
 }  // namespace saccade

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 namespace saccade {
@@ -33,19 +34,27 @@ class PlaneFilter {
   /// `out` = `in` convolved with the kernel in both directions. `out` must be another plane than `in`.
   void blur(const Plane& in, const std::vector<float>& half_kernel, Plane& out);
 
-  /// `out` = means of 2 x 2 pixels of `in`; an odd last row or column is repeated.
+  /// `out` = every other pixel of `in`, beginning with the first, smoothed with (1/4, 1/2, 1/4) in both directions.
   void halve(const Plane& in, Plane& out);
 
-  /// Adds `in`, enlarged by two with cubic interpolation, to `out`, whose size must round up to twice that of `in`.
-  /// Pixels are aligned as blocks (block centre to pixel centre), then the content is moved right and down by `shift`
-  /// pixels of `in`, |shift| <= 1/4.
-  void addEnlarged(const Plane& in, double shift, Plane& out);
+  /// Row `y` of `in` enlarged by two with cubic interpolation, `columns` pixels, whose number must round up to twice
+  /// the width of `in`. Pixel 2i lies on pixel i, then the content is moved right and down by `shift` pixels of `in`,
+  /// 0 <= shift <= 1/2.
+  void enlargeOneRow(const Plane& in, double shift, int y, int columns, float* out);
+
+  /// Adds `in` to `sum`, enlarged like that, or only moved if `sum` is of the same size.
+  void addResampled(const Plane& in, double shift, Plane& sum);
+
+  /// sum += |center - surround|. The surround is of the same size, or halved and then interpolated.
+  void addContrast(const Plane& center, const Plane& surround, Plane& sum);
 
  private:
-  std::vector<float> row_;
-};
+  void blurOneRow(const Plane& in, const std::vector<float>& half_kernel, int y, float* out);
+  void addContrastFromHalf(const float* center, const Plane& surround, int y, int columns, float* sum);
+  float* interpolateRow(const Plane& in, const std::array<float, 4>& weights, int first);
+  [[nodiscard]] float* rowWithMargin(int columns, int margin);
 
-/// sum += |a - b|, all of the same size.
-void addAbsoluteDifference(const Plane& a, const Plane& b, Plane& sum);
+  std::vector<float> row_, added_row_;
+};
 
 }  // namespace saccade

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -42,30 +44,61 @@ SACCADE_MULTIVERSION void opponentRow(const std::uint16_t* blue, const std::uint
 /// Sums of 2 x 2 bytes.
 SACCADE_MULTIVERSION void sumBlocks(const std::uint8_t* upper, const std::uint8_t* lower, int columns,
                                     std::uint16_t* sums) {
-  for (int x = 0; x < columns; ++x) {
-    sums[x] = static_cast<std::uint16_t>(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+  for (int x = 0; x < columns; ++x) {  // two bytes as one word: the loop loads and adds whole vectors of words
+    std::uint16_t above, below;
+    std::memcpy(&above, upper + 2 * x, sizeof above);
+    std::memcpy(&below, lower + 2 * x, sizeof below);
+    sums[x] = static_cast<std::uint16_t>((above & 0xFF) + (above >> 8) + (below & 0xFF) + (below >> 8));
   }
 }
 
-SACCADE_MULTIVERSION std::pair<float, float> rangeOf(const float* values, int count) {
-  float low = values[0], high = values[0];
-  for (int i = 0; i < count; ++i) {
-    low = values[i] < low ? values[i] : low;
-    high = values[i] > high ? values[i] : high;
+/// Widens the ranges low[i] ... high[i], one for each column of a block, by the values of a row of whole blocks.
+SACCADE_MULTIVERSION void widenRanges(const float* values, int blocks, float* low, float* high) {
+  for (int b = 0; b < blocks; ++b) {
+    for (int i = 0; i < kBlock; ++i) {
+      const float v = values[b * kBlock + i];
+      low[i] = v < low[i] ? v : low[i];
+      high[i] = v > high[i] ? v : high[i];
+    }
   }
-  return {low, high};
 }
 
-SACCADE_MULTIVERSION void stretchRow(const float* in, float low, float scale, int columns, float* out) {
+SACCADE_MULTIVERSION void stretchRow(float low, float scale, int columns, float* values) {
   for (int x = 0; x < columns; ++x) {
-    const float v = (in[x] - low) * scale;
-    out[x] = v < 0.0F ? 0.0F : (v > 1.0F ? 1.0F : v);
+    const float v = (values[x] - low) * scale;
+    values[x] = v < 0.0F ? 0.0F : (v > 1.0F ? 1.0F : v);
   }
 }
 
 double square(double x) {
   return x * x;
 }
+
+/// Bytes from one channel of a split row to the next: OpenCV writes channels that begin at equal remainders of a vector
+/// past the cache, and to read them back from memory would take as long as all the rest of their work.
+std::size_t splitStride(int width) {
+  return static_cast<std::size_t>((width + kBlock - 1) / kBlock * kBlock + 1);
+}
+
+std::vector<float> kernelOfVariance(double variance) {
+  return gaussianHalfKernel(std::sqrt(std::max(0.0, variance)));
+}
+
+/// One layer of the twin pyramids, of one channel at a time; kernels are in pixels of the octave or of its half.
+struct Octave {
+  int pixel_log2 = 0;               ///< its pixels are 2^pixel_log2 of the input's wide
+  double shift = 0.0;               ///< px, by which its content is moved when added to the octave before
+  bool surround_is_halved = false;  ///< the surround is kept at half the octave's size
+  bool next_is_halved = false;      ///< the next octave is of half its size, else of the same
+  std::vector<std::vector<float>> center_kernels;    ///< from the centre of scale s - 1 to that of scale s
+  std::vector<std::vector<float>> surround_kernels;  ///< from the (halved) centre to the surround of scale s
+  std::vector<float> next_kernel;                    ///< from the (halved) last centre to that of the next octave
+  Plane center, next_center, half_center, surround;
+  Plane contrast;  ///< sum of |C - S|
+};
+
+/// Of the filter of PlaneFilter::halve, in pixels of the result.
+constexpr double kHalvingVariance = 1.0 / 8.0;
 
 }  // namespace
 
@@ -77,90 +110,107 @@ void SaliencyConfig::describe(ConfigVisitor& visitor) {
   visitor.number("surround_sigma", surround_sigma, {0.6, 30.0}, "px", "Gaussian of the surround, first scale");
 }
 
-/// The work of one size of image. All pixels of octave o (the reference's layer first_layer + o) are kept 2^reduction_
-/// times coarser than VOCUS2 keeps them, with blurs as many times smaller: the centre's blur leaves nothing that the
-/// finer pixels could show.
+/// The work of one size of image.
+///
+/// An image blurred with a Gaussian of one pixel or more can be kept at that pixel size and blurred on there. So the
+/// fine layers are kept coarser than VOCUS2 keeps them, where the centre's blur is one to two pixels, and surrounds
+/// twice as coarse again where they are wide enough. The coarse layers cost little and stay as VOCUS2 has them: there
+/// the image's border, where its last pixels are replicated, is wide.
 struct SaliencyModel::Pyramid {
   Pyramid(const SaliencyConfig& config, cv::Size image_size);
 
+  void makeOctave(const SaliencyConfig& config, int layer);
+  void makePlanes();
   void loadOpponentPlanes(const cv::Mat3b& bgr);
   void addContrast(int channel);
   const Plane& fuse();
+  void stretch(const Plane& sum, cv::Mat1f& map);
 
   cv::Size size;
-  int reduction = 0;  ///< the centre's blur is between 2 and 4 of our pixels, or reduction is 0
-  int octaves = 0;
-  int first_halvings = 0;           ///< from the input to our first octave
+  int first_halvings = 0;           ///< from the input to the first octave
+  int skipped_layers = 0;           ///< of the halvings, those that VOCUS2 makes too
   std::vector<float> first_kernel;  ///< to the centre of the first scale of the first octave
-  std::vector<float> next_kernel;   ///< from the last scale to that which, halved, starts the next octave
-  std::vector<std::vector<float>> center_kernels;    ///< from scale s - 1 to s
-  std::vector<std::vector<float>> surround_kernels;  ///< from centre to surround of scale s
-  int skipped_layers = 0;
   PlaneFilter filter;
   std::array<Plane, kChannels> opponent;
-  std::vector<Plane> halved;    ///< between the opponent planes and the first octave
-  std::vector<Plane> contrast;  ///< sum of |C - S|, per octave
-  std::vector<Plane> center, center_next, surround;
-  std::vector<Plane> enlarged;  ///< from the first octave up to the input's size
+  std::vector<Plane> reduced;  ///< between the opponent planes and the first octave
+  std::vector<Octave> octaves;
+  std::vector<Plane> enlarged;  ///< between the first octave and the input's size
   std::vector<std::uint8_t> bytes;
   std::vector<std::uint16_t> sums;
 };
 
 SaliencyModel::Pyramid::Pyramid(const SaliencyConfig& config, cv::Size image_size) : size(image_size) {
-  reduction = std::max(0, static_cast<int>(std::floor(std::log2(config.center_sigma))) - 1);
+  const int reduction = std::max(0, static_cast<int>(std::floor(std::log2(config.center_sigma))));
   skipped_layers = config.first_layer;
-  octaves = config.last_layer - config.first_layer + 1;
   first_halvings = config.first_layer + reduction;
 
-  // Variances in input pixels. Layers skipped at the start are blurred with twice the centre's sigma and halved
-  // by dropping pixels; a mean over blocks of n x n pixels has a variance of (n^2 - 1) / 12.
+  // Variances in input pixels. Layers skipped at the start are blurred with twice the centre's sigma and halved by
+  // dropping pixels. Our first halving is the mean of blocks of 2 x 2 pixels, the others blur a little, too.
   double variance = square(config.center_sigma * std::exp2(config.first_layer));
   for (int layer = 0; layer < config.first_layer; ++layer) {
     variance += square(2.0 * config.center_sigma * std::exp2(layer));
   }
-  const double pixel = std::exp2(first_halvings);
-  first_kernel = gaussianHalfKernel(std::sqrt(std::max(0.0, variance - (square(pixel) - 1.0) / 12.0)) / pixel);
-  const int scales = config.scales_per_octave;
-  const double center_px = config.center_sigma / std::exp2(reduction);
-  const double widening = std::sqrt(square(config.surround_sigma) - square(config.center_sigma)) / std::exp2(reduction);
-  for (int s = 0; s < scales; ++s) {
-    const double sigma = center_px * std::exp2(static_cast<double>(s) / scales);
-    const double before = center_px * std::exp2(static_cast<double>(s - 1) / scales);
-    center_kernels.push_back(s == 0 ? std::vector<float>{1.0F}
-                                    : gaussianHalfKernel(std::sqrt(square(sigma) - square(before))));
-    surround_kernels.push_back(gaussianHalfKernel(widening * std::exp2(static_cast<double>(s) / scales)));
+  for (int halving = 1; halving <= first_halvings; ++halving) {
+    variance -= halving == 1 ? 0.25 : kHalvingVariance * square(std::exp2(halving));
   }
-  const double last = center_px * std::exp2(static_cast<double>(scales - 1) / scales);
-  next_kernel = gaussianHalfKernel(std::sqrt(std::max(0.0, square(2.0 * center_px) - square(last) - 0.25)));
+  first_kernel = kernelOfVariance(variance / square(std::exp2(first_halvings)));
 
-  const bool halve_bytes = first_halvings > 0;
-  const auto half = [](cv::Size s) { return cv::Size((s.width + 1) / 2, (s.height + 1) / 2); };
-  cv::Size level = halve_bytes ? half(size) : size;
-  for (Plane& plane : opponent) {
-    plane.resize(level.width, level.height);
+  for (int layer = config.first_layer; layer <= config.last_layer; ++layer) {
+    makeOctave(config, layer);
   }
-  enlarged.resize(static_cast<std::size_t>(first_halvings));
-  cv::Size fine = size;
-  for (int i = 0; i < first_halvings; ++i) {
-    enlarged[static_cast<std::size_t>(i)].resize(fine.width, fine.height);
-    fine = half(fine);
+  makePlanes();
+}
+
+void SaliencyModel::Pyramid::makeOctave(const SaliencyConfig& config, int layer) {
+  const auto pixelLog2 = [&](int l) {
+    return std::max(l, std::min(l - config.first_layer + first_halvings, first_halvings + 1));
+  };
+  Octave& octave = octaves.emplace_back();
+  octave.pixel_log2 = pixelLog2(layer);
+  octave.next_is_halved = pixelLog2(layer + 1) > octave.pixel_log2;
+  octave.shift = std::exp2(layer - 2 - octave.pixel_log2);
+
+  const double layer_pixel = std::exp2(layer - octave.pixel_log2);
+  const double center = square(config.center_sigma * layer_pixel);
+  const double widening = square(config.surround_sigma * layer_pixel) - center;
+  octave.surround_is_halved = octave.pixel_log2 <= first_halvings + 1 && widening / 4.0 > 4.0 * kHalvingVariance;
+  const int scales = config.scales_per_octave;
+  for (int s = 0; s < scales; ++s) {
+    const double growth = std::exp2(2.0 * s / scales), growth_before = std::exp2(2.0 * (s - 1) / scales);
+    octave.center_kernels.push_back(kernelOfVariance(s > 0 ? center * (growth - growth_before) : 0.0));
+    octave.surround_kernels.push_back(
+        kernelOfVariance(octave.surround_is_halved ? widening * growth / 4.0 - kHalvingVariance : widening * growth));
+  }
+  const double missing = center * (4.0 - std::exp2(2.0 * (scales - 1) / scales));
+  octave.next_kernel = kernelOfVariance(octave.next_is_halved ? missing / 4.0 - kHalvingVariance : missing);
+}
+
+void SaliencyModel::Pyramid::makePlanes() {
+  const auto half = [](cv::Size s) { return cv::Size((s.width + 1) / 2, (s.height + 1) / 2); };
+  const auto resize = [](Plane& plane, cv::Size s) { plane.resize(s.width, s.height); };
+  cv::Size level = first_halvings > 0 ? half(size) : size;
+  for (Plane& plane : opponent) {
+    resize(plane, level);
   }
   for (int i = 1; i < first_halvings; ++i) {
+    resize(enlarged.emplace_back(), level);
     level = half(level);
-    halved.emplace_back().resize(level.width, level.height);
+    resize(reduced.emplace_back(), level);
   }
-  for (int o = 0; o < octaves; ++o) {
-    for (std::vector<Plane>* planes : {&contrast, &center, &center_next, &surround}) {
-      planes->emplace_back().resize(level.width, level.height);
-    }
-    level = half(level);
+  for (Octave& octave : octaves) {
+    resize(octave.contrast, level);
+    resize(octave.center, level);
+    resize(octave.next_center, level);
+    resize(octave.half_center, half(level));
+    resize(octave.surround, octave.surround_is_halved ? half(level) : level);
+    level = octave.next_is_halved ? half(level) : level;
   }
-  bytes.resize(static_cast<std::size_t>(size.width) * kChannels * 2 + 2 * kBlock);
+  bytes.resize(splitStride(size.width) * kChannels * 2);
   sums.resize(static_cast<std::size_t>(size.width) * kChannels + kBlock);
 }
 
 void SaliencyModel::Pyramid::loadOpponentPlanes(const cv::Mat3b& bgr) {
-  const std::size_t width = static_cast<std::size_t>(size.width);
+  const std::size_t width = static_cast<std::size_t>(size.width), stride = splitStride(size.width);
   const bool halves = first_halvings > 0;
   const int columns = opponent[0].width;
   const float scale = 1.0F / (halves ? 4.0F * 255.0F : 255.0F);
@@ -171,8 +221,8 @@ void SaliencyModel::Pyramid::loadOpponentPlanes(const cv::Mat3b& bgr) {
     std::array<std::uint8_t*, kChannels> upper{}, lower{};
     std::array<std::uint16_t*, kChannels> sum{};
     for (std::size_t c = 0; c < kChannels; ++c) {
-      upper[c] = bytes.data() + 2 * c * width;
-      lower[c] = upper[c] + width;
+      upper[c] = bytes.data() + c * stride;
+      lower[c] = upper[c] + kChannels * stride;
       sum[c] = sums.data() + c * width;
     }
     if (halves) {
@@ -198,44 +248,82 @@ void SaliencyModel::Pyramid::loadOpponentPlanes(const cv::Mat3b& bgr) {
 
 void SaliencyModel::Pyramid::addContrast(int channel) {
   const Plane* plane = &opponent[static_cast<std::size_t>(channel)];
-  for (Plane& next : halved) {
+  for (Plane& next : reduced) {
     filter.halve(*plane, next);
     plane = &next;
   }
-  filter.blur(*plane, first_kernel, center[0]);
-  for (std::size_t o = 0; o < contrast.size(); ++o) {
-    for (std::size_t s = 0; s < surround_kernels.size(); ++s) {
+  filter.blur(*plane, first_kernel, octaves[0].center);
+  for (std::size_t o = 0; o < octaves.size(); ++o) {
+    Octave& octave = octaves[o];
+    for (std::size_t s = 0; s < octave.surround_kernels.size(); ++s) {
       if (s > 0) {
-        filter.blur(center[o], center_kernels[s], center_next[o]);
-        std::swap(center[o].values, center_next[o].values);
+        filter.blur(octave.center, octave.center_kernels[s], octave.next_center);
+        std::swap(octave.center, octave.next_center);
       }
-      filter.blur(center[o], surround_kernels[s], surround[o]);
-      addAbsoluteDifference(center[o], surround[o], contrast[o]);
+      if (octave.surround_is_halved || (octave.next_is_halved && s + 1 == octave.surround_kernels.size())) {
+        filter.halve(octave.center, octave.half_center);
+      }
+      filter.blur(octave.surround_is_halved ? octave.half_center : octave.center, octave.surround_kernels[s],
+                  octave.surround);
+      filter.addContrast(octave.center, octave.surround, octave.contrast);
     }
-    if (o + 1 < contrast.size()) {
-      filter.blur(center[o], next_kernel, center_next[o]);
-      filter.halve(center_next[o], center[o + 1]);
+    if (o + 1 < octaves.size()) {
+      filter.blur(octave.next_is_halved ? octave.half_center : octave.center, octave.next_kernel,
+                  octaves[o + 1].center);
     }
   }
 }
 
-/// Sums the octaves from coarse to fine, and enlarges the sum to the input's size.
+/// Sums the octaves from coarse to fine.
 ///
-/// VOCUS2 halves by keeping every other pixel and enlarges with centres aligned, which moves the content of layer l by
-/// (2^l - 1) / 2 input pixels. We halve by means of blocks, which moves nothing, and shift when enlarging by a layer.
+/// VOCUS2 halves by keeping every other pixel, as we do, but enlarges with the images' centres aligned, which moves the
+/// content of layer l by (2^l - 1) / 2 input pixels: by a quarter of a pixel of the layer from each layer to the one
+/// before.
 const Plane& SaliencyModel::Pyramid::fuse() {
-  const double layer_shift = 0.25 / std::exp2(reduction);
-  for (std::size_t o = contrast.size() - 1; o > 0; --o) {
-    filter.addEnlarged(contrast[o], layer_shift, contrast[o - 1]);
+  for (std::size_t o = octaves.size() - 1; o > 0; --o) {
+    filter.addResampled(octaves[o].contrast, octaves[o].shift, octaves[o - 1].contrast);
   }
-  const Plane* sum = &contrast[0];
-  for (std::size_t i = enlarged.size(); i > 0; --i) {
-    Plane& finer = enlarged[i - 1];
-    std::fill(finer.values.begin(), finer.values.end(), 0.0F);
-    filter.addEnlarged(*sum, static_cast<int>(enlarged.size() - i) < skipped_layers ? layer_shift : 0.0, finer);
+  return octaves[0].contrast;
+}
+
+/// Enlarges the sum to the input's size and stretches its values to [0, 1].
+void SaliencyModel::Pyramid::stretch(const Plane& fused, cv::Mat1f& map) {
+  const Plane* sum = &fused;
+  // The content of skipped layers is moved, too; pixels of the first halving lie between those of the input.
+  const double layer_shift = octaves[0].shift;
+  const auto shiftAfter = [&](int halvings) {
+    return (first_halvings - halvings < skipped_layers ? layer_shift : 0.0) + (halvings == 1 ? 0.25 : 0.0);
+  };
+  int halvings = first_halvings;
+  for (; halvings > 1; --halvings) {
+    Plane& finer = enlarged[static_cast<std::size_t>(halvings - 2)];
+    for (int y = 0; y < finer.height; ++y) {
+      filter.enlargeOneRow(*sum, shiftAfter(halvings), y, finer.width, finer.row(y));
+    }
     sum = &finer;
   }
-  return *sum;
+  std::array<float, kBlock> lowest, highest;
+  lowest.fill(std::numeric_limits<float>::max());
+  highest.fill(std::numeric_limits<float>::lowest());
+  for (int y = 0; y < size.height; ++y) {
+    float* row = map[y];
+    if (halvings == 1) {
+      filter.enlargeOneRow(*sum, shiftAfter(halvings), y, size.width, row);
+    } else {
+      std::copy_n(sum->row(y), size.width, row);
+    }
+    widenRanges(row, size.width / kBlock, lowest.data(), highest.data());
+    for (int x = size.width / kBlock * kBlock; x < size.width; ++x) {
+      lowest[0] = std::min(lowest[0], row[x]);
+      highest[0] = std::max(highest[0], row[x]);
+    }
+  }
+  const float low = *std::min_element(lowest.begin(), lowest.end());
+  const float high = *std::max_element(highest.begin(), highest.end());
+  const float scale = high - low < kLeastContrast ? 0.0F : 1.0F / (high - low);
+  for (int y = 0; y < size.height; ++y) {
+    stretchRow(low, scale, size.width, map[y]);
+  }
 }
 
 SaliencyModel::SaliencyModel(SaliencyConfig config) : config_(config) {
@@ -262,25 +350,14 @@ const cv::Mat1f& SaliencyModel::compute(const cv::Mat3b& bgr) {
     pyramid_ = std::make_unique<Pyramid>(config_, bgr.size());
     map_.create(bgr.size());
   }
-  for (Plane& contrast : pyramid_->contrast) {
-    std::fill(contrast.values.begin(), contrast.values.end(), 0.0F);
+  for (Octave& octave : pyramid_->octaves) {
+    std::fill(octave.contrast.values.begin(), octave.contrast.values.end(), 0.0F);
   }
   pyramid_->loadOpponentPlanes(bgr);
   for (int channel = 0; channel < kChannels; ++channel) {
     pyramid_->addContrast(channel);
   }
-  const Plane& sum = pyramid_->fuse();
-
-  float low = sum.row(0)[0], high = low;
-  for (int y = 0; y < sum.height; ++y) {
-    const auto [row_low, row_high] = rangeOf(sum.row(y), sum.width);
-    low = std::min(low, row_low);
-    high = std::max(high, row_high);
-  }
-  const float scale = high - low < kLeastContrast ? 0.0F : 1.0F / (high - low);
-  for (int y = 0; y < sum.height; ++y) {
-    stretchRow(sum.row(y), low, scale, sum.width, map_.ptr<float>(y));
-  }
+  pyramid_->stretch(pyramid_->fuse(), map_);
   return map_;
 }
 

@@ -1,0 +1,141 @@
+#include "segmentation/tile_merging.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
+namespace saccade {
+namespace {
+
+constexpr int kPixels = TileMerger::kWidth * TileMerger::kHeight;
+constexpr int kDirectionBits = 2, kPixelBits = 11, kStepBits = 14;
+constexpr int kStepShift = kDirectionBits + kPixelBits;
+static_assert(kPixels == 1 << kPixelBits && ColorEdges::kSteps <= 1 << kStepBits && kStepShift + kStepBits <= 32);
+
+constexpr std::array<int, kEdgeDirections> kOffsets{1, TileMerger::kWidth, TileMerger::kWidth + 1,
+                                                    TileMerger::kWidth - 1};
+
+std::uint16_t pixelOf(std::uint32_t edge) {
+  return static_cast<std::uint16_t>((edge >> kDirectionBits) & (kPixels - 1));
+}
+
+std::uint16_t otherPixelOf(std::uint32_t edge) {
+  return static_cast<std::uint16_t>(pixelOf(edge) + kOffsets[edge & (kEdgeDirections - 1)]);
+}
+
+}  // namespace
+
+TileMerger::TileMerger(float k)
+    : k_(k), components_(kPixels), edges_(kEdgeDirections * kPixels), sorted_(kEdgeDirections * kPixels) {}
+
+void TileMerger::merge(const ColorEdges& edges, const cv::Rect& tile, int end_step) {
+  partition_.reset(kPixels);
+  std::fill(components_.begin(), components_.end(), Component{k_, 1, ColorEdges::kNoEdge});
+  limitAtBorder(edges, tile);
+  gather(edges, tile, end_step);
+  sort();
+  for (std::size_t i = 0; i < edge_count_; ++i) {
+    if (!mergeAlong(sorted_[i])) {
+      return;
+    }
+  }
+}
+
+/// Limits the border's pixels by their edges to pixels outside of the tile.
+void TileMerger::limitAtBorder(const ColorEdges& edges, const cv::Rect& tile) {
+  const cv::Rect image(cv::Point(), edges.size());
+  // The edge between a pixel and its neighbour at (du, dv) begins at the first of the two in row order.
+  const auto stepTo = [&](cv::Point pixel, int du, int dv) {
+    const bool is_first = dv > 0 || (dv == 0 && du > 0);
+    const cv::Point from = is_first ? pixel : pixel + cv::Point(du, dv);
+    const int direction = dv == 0 ? 0 : (du == 0 ? 1 : (du * dv > 0 ? 2 : 3));
+    return static_cast<std::uint16_t>(edges.steps(from.y, direction)[from.x] & ColorEdges::kStepMask);
+  };
+  const auto limit = [&](int u, int v) {
+    std::uint16_t& least = components_[static_cast<std::size_t>(v * kWidth + u)].limit;
+    for (int dv = -1; dv <= 1; ++dv) {
+      for (int du = -1; du <= 1; ++du) {
+        const cv::Point pixel(tile.x + u, tile.y + v), other = pixel + cv::Point(du, dv);
+        if (!tile.contains(other) && image.contains(other)) {
+          least = std::min(least, stepTo(pixel, du, dv));
+        }
+      }
+    }
+  };
+  for (int u = 0; u < tile.width; ++u) {
+    limit(u, 0);
+    limit(u, tile.height - 1);
+  }
+  for (int v = 0; v < tile.height; ++v) {
+    limit(0, v);
+    limit(tile.width - 1, v);
+  }
+}
+
+/// The edges inside the tile of less than `end_step` that are the last of no triangle, in row order.
+void TileMerger::gather(const ColorEdges& edges, const cv::Rect& tile, int end_step) {
+  PackedEdge* out = edges_.data();
+  for (int v = 0; v < tile.height; ++v) {
+    const int directions = v + 1 < tile.height ? kEdgeDirections : 1;
+    for (int d = 0; d < directions; ++d) {
+      const std::uint16_t* steps = edges.steps(tile.y + v, d) + tile.x;
+      const int first = d == 3 ? 1 : 0, end = d == 0 || d == 2 ? tile.width - 1 : tile.width;
+      const auto row = static_cast<PackedEdge>(v * kWidth << kDirectionBits | d);
+      for (int u = first; u < end; ++u) {
+        *out = static_cast<PackedEdge>(steps[u]) << kStepShift | (row + static_cast<PackedEdge>(u << kDirectionBits));
+        out += steps[u] < end_step ? 1 : 0;
+      }
+    }
+  }
+  edge_count_ = static_cast<std::size_t>(out - edges_.data());
+}
+
+/// Sorts the edges by rising step, equal ones in row order, by two digits.
+void TileMerger::sort() {
+  constexpr int kDigitBits = kStepBits / 2;
+  constexpr std::size_t kDigits = 1 << kDigitBits;
+  const auto low = [](PackedEdge edge) { return (edge >> kStepShift) & (kDigits - 1); };
+  const auto high = [](PackedEdge edge) { return edge >> (kStepShift + kDigitBits); };
+  std::array<std::uint32_t, kDigits> low_positions{}, high_positions{};
+  for (std::size_t i = 0; i < edge_count_; ++i) {
+    ++low_positions[low(edges_[i])];
+    ++high_positions[high(edges_[i])];
+  }
+  std::exclusive_scan(low_positions.begin(), low_positions.end(), low_positions.begin(), 0U);
+  std::exclusive_scan(high_positions.begin(), high_positions.end(), high_positions.begin(), 0U);
+  for (std::size_t i = 0; i < edge_count_; ++i) {
+    sorted_[low_positions[low(edges_[i])]++] = edges_[i];
+  }
+  for (std::size_t i = 0; i < edge_count_; ++i) {
+    edges_[high_positions[high(sorted_[i])]++] = sorted_[i];
+  }
+  edges_.swap(sorted_);
+}
+
+/// False if the edge is refused.
+bool TileMerger::mergeAlong(PackedEdge edge) {
+  const std::uint16_t pixel = pixelOf(edge), other = otherPixelOf(edge);
+  const std::uint16_t a = partition_.label(pixel), b = partition_.label(other);
+  if (a == b) {
+    return true;
+  }
+  Component &one = components_[a], &two = components_[b];
+  const auto step = static_cast<std::uint16_t>(edge >> kStepShift);
+  const std::uint16_t limit = std::min(one.limit, two.limit);
+  if (step >= limit) {
+    one.limit = std::min(one.limit, step);
+    two.limit = std::min(two.limit, step);
+    return true;
+  }
+  const float weight = ColorEdges::distances()[step];
+  if (weight > std::min(one.threshold, two.threshold)) {
+    return false;
+  }
+  const bool keeps_one = one.area >= two.area;
+  const int area = one.area + two.area;
+  (keeps_one ? one : two) = {weight + k_ / static_cast<float>(area), static_cast<std::uint16_t>(area), limit};
+  partition_.join(keeps_one ? other : pixel, keeps_one ? pixel : other);
+  return true;
+}
+
+}  // namespace saccade
