@@ -149,7 +149,8 @@ std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, const 
 void printFiles(const Options& options) {
   std::vector<std::vector<std::string>> rows;
   const auto add = [&](const char* what, const std::string& path) {
-    if (!path.empty()) rows.push_back({fmt::format("{:<12}{}", what, std::filesystem::absolute(path).lexically_normal().string())});
+    if (!path.empty())
+      rows.push_back({fmt::format("{:<12}{}", what, std::filesystem::absolute(path).lexically_normal().string())});
   };
   add("session", options.session);
   add("trajectory", options.trajectory);

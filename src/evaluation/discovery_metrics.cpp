@@ -78,6 +78,7 @@ void noteMask(FrameMatches& matches, const std::vector<LabelledObject>& objects,
     if (id >= rules.ignore_from) ignored += pixels;
   }
   std::vector<double> overlaps;
+  overlaps.reserve(objects.size());
   for (const LabelledObject& object : objects) overlaps.push_back(overlapWith(object, census, area));
   note(matches, overlaps, rules.min_iou, rank);
   matches.is_ignored.push_back(matches.is_right.back() == 0 && 2 * ignored > area ? 1 : 0);
@@ -140,6 +141,7 @@ std::vector<double> maskOverlaps(const Candidate& candidate, const Perception& s
                                  const std::vector<LabelledObject>& objects) {
   const MaskCensus census = censusOf(candidate, seen, label);
   std::vector<double> overlaps;
+  overlaps.reserve(objects.size());
   for (const LabelledObject& object : objects) overlaps.push_back(overlapWith(object, census, candidate.area));
   return overlaps;
 }

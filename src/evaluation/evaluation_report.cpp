@@ -95,6 +95,7 @@ Json meanOfDocuments(const std::vector<Json>& documents) {
 
 Json documentOf(const std::vector<SequenceEvaluation>& sequences, int k) {
   std::vector<Json> all;
+  all.reserve(sequences.size());
   for (const SequenceEvaluation& sequence : sequences) all.push_back(jsonOf(sequence, k));
   Json document = {{"k", k}, {"sequences", all}};
   if (!all.empty()) document["mean"] = meanOfDocuments(all);

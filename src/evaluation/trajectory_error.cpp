@@ -68,6 +68,7 @@ Pose alignToTruth(const std::vector<PosePair>& pairs) {
 AbsoluteError absoluteError(const std::vector<PosePair>& pairs) {
   const Pose aligned = alignToTruth(pairs);
   std::vector<double> errors;
+  errors.reserve(pairs.size());
   for (const PosePair& pair : pairs) {
     errors.push_back((aligned * pair.estimate.T_WC.translation() - pair.truth.T_WC.translation()).norm());
   }

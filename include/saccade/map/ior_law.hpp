@@ -49,7 +49,7 @@ static_assert(sizeof(IorState) == 4);
 /// Parameters of the law.
 struct IorParameters {
   int ior_limit = 3;  ///< weight at which the flag goes on (the paper's IOR_LIMIT; the number is by experiment)
-  double mf = 6.0;     ///< factor on the weight when the flag goes on (paper: 2, 4, 6)
+  double mf = 6.0;    ///< factor on the weight when the flag goes on (paper: 2, 4, 6)
 
   void describe(ConfigVisitor& v) {
     v.integer("ior_limit", ior_limit, {1, 1000000}, "ticks", "weight at which the IOR flag goes on");
