@@ -26,17 +26,40 @@ std::uint16_t otherPixelOf(std::uint32_t edge) {
 }  // namespace
 
 TileMerger::TileMerger(float k)
-    : k_(k), components_(kPixels), edges_(kEdgeDirections * kPixels), sorted_(kEdgeDirections * kPixels) {}
+    : k_(k),
+      distances_(ColorEdges::distances().data()),
+      components_(kPixels),
+      edges_(kEdgeDirections * kPixels),
+      sorted_(kEdgeDirections * kPixels) {}
 
 void TileMerger::merge(const ColorEdges& edges, const cv::Rect& tile, int end_step) {
   partition_.reset(kPixels);
-  std::fill(components_.begin(), components_.end(), Component{k_, 1, ColorEdges::kNoEdge});
+  std::fill(components_.begin(), components_.end(), Component{0.0F, 1, ColorEdges::kNoEdge});
   limitAtBorder(edges, tile);
   gather(edges, tile, end_step);
   sort();
-  for (std::size_t i = 0; i < edge_count_; ++i) {
-    if (!mergeAlong(sorted_[i])) {
-      return;
+  mergeSorted();
+}
+
+/// Edges inside of a component, or between two that wait, change nothing. They are dropped chunk by chunk, without a
+/// branch that the processor could guess wrongly.
+void TileMerger::mergeSorted() {
+  constexpr std::size_t kChunk = 32;
+  std::array<PackedEdge, kChunk> open;
+  for (std::size_t first = 0; first < edge_count_; first += kChunk) {
+    const std::size_t end = std::min(edge_count_, first + kChunk);
+    std::size_t count = 0;
+    for (std::size_t i = first; i < end; ++i) {
+      const PackedEdge edge = sorted_[i];
+      const std::uint16_t a = partition_.label(pixelOf(edge)), b = partition_.label(otherPixelOf(edge));
+      open[count] = edge;
+      const auto step = static_cast<std::uint16_t>(edge >> kStepShift);
+      count += (a != b) & (step < std::max(components_[a].limit, components_[b].limit)) ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!mergeAlong(open[i])) {
+        return;
+      }
     }
   }
 }
@@ -127,13 +150,12 @@ bool TileMerger::mergeAlong(PackedEdge edge) {
     two.limit = std::min(two.limit, step);
     return true;
   }
-  const float weight = ColorEdges::distances()[step];
-  if (weight > std::min(one.threshold, two.threshold)) {
+  const float weight = distances_[step];
+  if (!accepts(one.internal, one.area, weight, k_) || !accepts(two.internal, two.area, weight, k_)) {
     return false;
   }
   const bool keeps_one = one.area >= two.area;
-  const int area = one.area + two.area;
-  (keeps_one ? one : two) = {weight + k_ / static_cast<float>(area), static_cast<std::uint16_t>(area), limit};
+  (keeps_one ? one : two) = {weight, static_cast<std::uint16_t>(one.area + two.area), limit};
   partition_.join(keeps_one ? other : pixel, keeps_one ? pixel : other);
   return true;
 }

@@ -27,7 +27,7 @@ class TileMerger {
   static constexpr int kHeight = 32;  ///< px
 
   struct Component {
-    float threshold = 0.0F;   ///< Int(C) + k / |C|, grey levels
+    float internal = 0.0F;    ///< Int(C), grey levels
     std::uint16_t area = 0;   ///< px
     std::uint16_t limit = 0;  ///< step from which on edges wait
   };
@@ -50,9 +50,11 @@ class TileMerger {
   void limitAtBorder(const ColorEdges& edges, const cv::Rect& tile);
   void gather(const ColorEdges& edges, const cv::Rect& tile, int end_step);
   void sort();
+  void mergeSorted();
   [[nodiscard]] bool mergeAlong(PackedEdge edge);
 
   float k_;
+  const float* distances_;  ///< grey levels, by step
   FlatPartition<std::uint16_t> partition_;
   std::vector<Component> components_;  ///< by label
   std::vector<PackedEdge> edges_, sorted_;
