@@ -60,6 +60,7 @@ class ColorSegmenter::Graph {
   OpenEdges open_edges_;
   std::vector<std::int32_t> nodes_;  ///< of the pixels, rows padded
   std::ptrdiff_t node_stride_ = 0;
+  std::size_t node_count_ = 0;
   std::vector<Component> components_;  ///< by label
   FlatPartition<Node> partition_;      ///< of the nodes
   std::vector<Edge> pending_;          ///< in row order
@@ -77,7 +78,6 @@ void ColorSegmenter::Graph::segment(const cv::Mat3b& bgr, Segmentation& result) 
   const auto [light, middle] = edges_.stepsAtShares(std::array{0.5, 0.7});
   mergeTiles(light);
   gatherEdges();
-  partition_.reset(components_.size());
   rejected_.clear();
   for (const int end_step : {middle, ColorEdges::kSteps}) {
     takePendingEdges(end_step);
@@ -90,32 +90,38 @@ void ColorSegmenter::Graph::segment(const cv::Mat3b& bgr, Segmentation& result) 
 
 /// Merges within each tile; what it leaves becomes the nodes of the graph.
 void ColorSegmenter::Graph::mergeTiles(int end_step) {
-  constexpr int kUnnumbered = -1;
-  std::array<int, TileMerger::kWidth * TileMerger::kHeight> node_of_label;
+  constexpr std::size_t kTilePixels = TileMerger::kWidth * TileMerger::kHeight;
+  std::array<std::int32_t, kTilePixels> node_of_label;
   const cv::Size size = edges_.size();
   node_stride_ = size.width + ColorEdges::kPadding;
   nodes_.resize(static_cast<std::size_t>(node_stride_ * size.height));
-  components_.clear();
+  std::size_t count = 0;
   for (int y = 0; y < size.height; y += TileMerger::kHeight) {
     for (int x = 0; x < size.width; x += TileMerger::kWidth) {
       const cv::Rect tile(x, y, std::min(TileMerger::kWidth, size.width - x),
                           std::min(TileMerger::kHeight, size.height - y));
       tiles_.merge(edges_, tile, end_step);
-      node_of_label.fill(kUnnumbered);
+      components_.resize(std::max(components_.size(), count + kTilePixels + 1));
       for (int v = 0; v < tile.height; ++v) {
+        const std::uint16_t* labels = tiles_.labels(v);
+        for (int u = 0; u < tile.width; ++u) {
+          const std::size_t pixel = static_cast<std::size_t>(v * TileMerger::kWidth + u);
+          node_of_label[pixel] = static_cast<std::int32_t>(count);
+          components_[count] = {tiles_.component(pixel).internal, tiles_.component(pixel).area, 1};
+          count += labels[u] == pixel ? 1 : 0;
+        }
+      }
+      for (int v = 0; v < tile.height; ++v) {
+        const std::uint16_t* labels = tiles_.labels(v);
         std::int32_t* row = nodes_.data() + (y + v) * node_stride_ + x;
         for (int u = 0; u < tile.width; ++u) {
-          const std::uint16_t label = tiles_.label(u, v);
-          int& node = node_of_label[label];
-          if (node == kUnnumbered) {
-            node = static_cast<int>(components_.size());
-            components_.push_back({tiles_.component(label).internal, tiles_.component(label).area, 1});
-          }
-          row[u] = node;
+          row[u] = node_of_label[labels[u]];
         }
       }
     }
   }
+  node_count_ = count;
+  partition_.reset(node_count_);
 }
 
 /// Makes all edges between different nodes that can matter pending, in row order.
@@ -178,6 +184,7 @@ void ColorSegmenter::Graph::sortBatch() {
   }
 }
 
+/// Edges inside a component are dropped chunk by chunk, without a branch that the processor could guess wrongly.
 void ColorSegmenter::Graph::mergeBatch() {
   const std::vector<float>& distances = ColorEdges::distances();
   constexpr std::size_t kChunk = 64;
@@ -231,7 +238,7 @@ void ColorSegmenter::Graph::absorbSmallComponents() {
 /// Numbers the components by their first pixels and labels the pixels.
 void ColorSegmenter::Graph::numberComponents(Segmentation& result) {
   constexpr int kUnnumbered = -1;
-  numbers_.assign(components_.size(), kUnnumbered);
+  numbers_.assign(node_count_, kUnnumbered);
   result.count = 0;
   result.labels.create(edges_.size());
   for (int y = 0; y < result.labels.rows; ++y) {

@@ -28,13 +28,14 @@ std::uint16_t otherPixelOf(std::uint32_t edge) {
 TileMerger::TileMerger(float k)
     : k_(k),
       distances_(ColorEdges::distances().data()),
+      single_pixels_(kPixels, Component{0.0F, 1, ColorEdges::kNoEdge}),
       components_(kPixels),
       edges_(kEdgeDirections * kPixels),
       sorted_(kEdgeDirections * kPixels) {}
 
 void TileMerger::merge(const ColorEdges& edges, const cv::Rect& tile, int end_step) {
   partition_.reset(kPixels);
-  std::fill(components_.begin(), components_.end(), Component{0.0F, 1, ColorEdges::kNoEdge});
+  components_ = single_pixels_;
   limitAtBorder(edges, tile);
   gather(edges, tile, end_step);
   sort();
@@ -64,34 +65,36 @@ void TileMerger::mergeSorted() {
   }
 }
 
-/// Limits the border's pixels by their edges to pixels outside of the tile.
+/// Limits the border's pixels by their edges to pixels outside of the tile. Rows of steps hold no edges beyond the
+/// image's columns.
 void TileMerger::limitAtBorder(const ColorEdges& edges, const cv::Rect& tile) {
-  const cv::Rect image(cv::Point(), edges.size());
-  // The edge between a pixel and its neighbour at (du, dv) begins at the first of the two in row order.
-  const auto stepTo = [&](cv::Point pixel, int du, int dv) {
-    const bool is_first = dv > 0 || (dv == 0 && du > 0);
-    const cv::Point from = is_first ? pixel : pixel + cv::Point(du, dv);
-    const int direction = dv == 0 ? 0 : (du == 0 ? 1 : (du * dv > 0 ? 2 : 3));
-    return static_cast<std::uint16_t>(edges.steps(from.y, direction)[from.x] & ColorEdges::kStepMask);
-  };
-  const auto limit = [&](int u, int v) {
+  const auto limit = [&](int u, int v, std::uint16_t first, std::uint16_t second, std::uint16_t third) {
     std::uint16_t& least = components_[static_cast<std::size_t>(v * kWidth + u)].limit;
-    for (int dv = -1; dv <= 1; ++dv) {
-      for (int du = -1; du <= 1; ++du) {
-        const cv::Point pixel(tile.x + u, tile.y + v), other = pixel + cv::Point(du, dv);
-        if (!tile.contains(other) && image.contains(other)) {
-          least = std::min(least, stepTo(pixel, du, dv));
-        }
-      }
-    }
+    const auto step = [](std::uint16_t flagged) { return static_cast<std::uint16_t>(flagged & ColorEdges::kStepMask); };
+    least = std::min(std::min(least, step(first)), std::min(step(second), step(third)));
   };
-  for (int u = 0; u < tile.width; ++u) {
-    limit(u, 0);
-    limit(u, tile.height - 1);
+  const auto stepsAt = [&](int row, int direction) { return edges.steps(row, direction) + tile.x; };
+  const int right = tile.width - 1, bottom = tile.height - 1;
+  if (tile.y > 0) {
+    const std::uint16_t *down = stepsAt(tile.y - 1, 1), *down_right = stepsAt(tile.y - 1, 2);
+    const std::uint16_t* down_left = stepsAt(tile.y - 1, 3);
+    for (int u = 0; u <= right; ++u) {
+      limit(u, 0, down[u], down_right[u - 1], down_left[u + 1]);
+    }
   }
-  for (int v = 0; v < tile.height; ++v) {
-    limit(0, v);
-    limit(tile.width - 1, v);
+  const int last_row = tile.y + bottom;
+  const std::uint16_t *down = stepsAt(last_row, 1), *down_right = stepsAt(last_row, 2);
+  const std::uint16_t* down_left = stepsAt(last_row, 3);
+  for (int u = 0; u <= right; ++u) {
+    limit(u, bottom, down[u], down_right[u], down_left[u]);
+  }
+  for (int v = 0; v <= bottom; ++v) {
+    const int row = tile.y + v, row_above = std::max(0, row - 1);
+    if (tile.x > 0) {
+      limit(0, v, stepsAt(row, 0)[-1], row > 0 ? stepsAt(row_above, 2)[-1] : ColorEdges::kNoEdge, stepsAt(row, 3)[0]);
+    }
+    limit(right, v, stepsAt(row, 0)[right], stepsAt(row, 2)[right],
+          row > 0 ? stepsAt(row_above, 3)[right + 1] : ColorEdges::kNoEdge);
   }
 }
 
@@ -154,9 +157,10 @@ bool TileMerger::mergeAlong(PackedEdge edge) {
   if (!accepts(one.internal, one.area, weight, k_) || !accepts(two.internal, two.area, weight, k_)) {
     return false;
   }
-  const bool keeps_one = one.area >= two.area;
-  (keeps_one ? one : two) = {weight, static_cast<std::uint16_t>(one.area + two.area), limit};
-  partition_.join(keeps_one ? other : pixel, keeps_one ? pixel : other);
+  const std::array<std::uint16_t, 2> ends{pixel, other}, labels{a, b};  // chosen from without a branch
+  const std::size_t larger = one.area < two.area ? 1 : 0;
+  components_[labels[larger]] = {weight, static_cast<std::uint16_t>(one.area + two.area), limit};
+  partition_.join(ends[1 - larger], ends[larger]);
   return true;
 }
 
