@@ -1,8 +1,13 @@
 #include "segmentation/tile_merging.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <numeric>
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace saccade {
 namespace {
@@ -21,6 +26,29 @@ std::uint16_t pixelOf(std::uint32_t edge) {
 
 std::uint16_t otherPixelOf(std::uint32_t edge) {
   return static_cast<std::uint16_t>(pixelOf(edge) + kOffsets[edge & (kEdgeDirections - 1)]);
+}
+
+static_assert(TileMerger::kWidth == 64 && TileMerger::kWidth <= ColorEdges::kPadding);
+
+/// Bit i tells whether steps[i] < end, for 64 steps.
+std::uint64_t bitsBelow(const std::uint16_t* steps, int end) {
+  std::uint64_t bits = 0;
+#ifdef __SSE2__
+  const __m128i last = _mm_set1_epi16(static_cast<short>(end - 1));
+  const auto isBelow = [&](int i) {
+    const __m128i eight = _mm_loadu_si128(reinterpret_cast<const __m128i*>(steps + i));
+    return _mm_cmpeq_epi16(_mm_subs_epu16(eight, last), _mm_setzero_si128());
+  };
+  for (int i = 0; i < 64; i += 16) {
+    const auto sixteen = static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(isBelow(i), isBelow(i + 8))));
+    bits |= static_cast<std::uint64_t>(sixteen) << i;
+  }
+#else
+  for (int i = 0; i < 64; ++i) {
+    bits |= static_cast<std::uint64_t>(steps[i] < end ? 1 : 0) << i;
+  }
+#endif
+  return bits;
 }
 
 }  // namespace
@@ -107,9 +135,10 @@ void TileMerger::gather(const ColorEdges& edges, const cv::Rect& tile, int end_s
       const std::uint16_t* steps = edges.steps(tile.y + v, d) + tile.x;
       const int first = d == 3 ? 1 : 0, end = d == 0 || d == 2 ? tile.width - 1 : tile.width;
       const auto row = static_cast<PackedEdge>(v * kWidth << kDirectionBits | d);
-      for (int u = first; u < end; ++u) {
-        *out = static_cast<PackedEdge>(steps[u]) << kStepShift | (row + static_cast<PackedEdge>(u << kDirectionBits));
-        out += steps[u] < end_step ? 1 : 0;
+      const std::uint64_t columns = (first < end ? ~0ULL >> (kWidth - (end - first)) : 0ULL) << first;
+      for (std::uint64_t rest = bitsBelow(steps, end_step) & columns; rest != 0; rest &= rest - 1) {
+        const auto u = static_cast<PackedEdge>(std::countr_zero(rest));
+        *out++ = static_cast<PackedEdge>(steps[u]) << kStepShift | (row + (u << kDirectionBits));
       }
     }
   }
