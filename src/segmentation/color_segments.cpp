@@ -75,7 +75,7 @@ class ColorSegmenter::Graph {
 
 void ColorSegmenter::Graph::segment(const cv::Mat3b& bgr, Segmentation& result) {
   edges_.weigh(bgr);
-  const auto [light, middle] = edges_.stepsAtShares(std::array{0.5, 0.7});
+  const auto [light, middle] = edges_.stepsAtShares(std::array{0.6, 0.8});
   mergeTiles(light);
   gatherEdges();
   rejected_.clear();
