@@ -9,6 +9,11 @@
 
 namespace saccade {
 
+/// Whether a component accepts to merge along an edge: weight <= Int(C) + k / |C| (Felzenszwalb & Huttenlocher 2004).
+[[nodiscard]] inline bool accepts(float internal, int area, float weight, float k) {
+  return (weight - internal) * static_cast<float>(area) <= k;
+}
+
 /// The edges of a pixel that lead on in row order: to the right, down, down and right, down and left.
 inline constexpr int kEdgeDirections = 4;
 

@@ -10,6 +10,7 @@
 
 #include "segmentation/color_edges.hpp"
 #include "segmentation/flat_partition.hpp"
+#include "segmentation/open_edges.hpp"
 #include "segmentation/tile_merging.hpp"
 
 namespace saccade {
@@ -37,17 +38,17 @@ class ColorSegmenter::Graph {
     std::uint32_t step;
   };
   struct Component {
-    float threshold;  ///< Int(C) + k / |C|, grey levels
-    int area;         ///< px
+    float internal;  ///< Int(C), grey levels
+    int area;        ///< px
     int nodes;
   };
 
-  void mergeTiles(int end_step, cv::Mat1i& nodes);
-  void gatherEdges(const cv::Mat1i& nodes);
+  void mergeTiles(int end_step);
+  void gatherEdges();
   void takePendingEdges(int end_step);
   void sortBatch();
   void mergeBatch();
-  void unite(Node a, Node b, float threshold);
+  void unite(Node a, Node b, float weight);
   void absorbSmallComponents();
   void numberComponents(Segmentation& result);
   [[nodiscard]] bool isSmall(Node node) const { return components_[partition_.label(node)].area < min_size_; }
@@ -56,6 +57,10 @@ class ColorSegmenter::Graph {
   int min_size_;
   ColorEdges edges_;
   TileMerger tiles_;
+  OpenEdges open_edges_;
+  std::vector<std::int32_t> nodes_;  ///< of the pixels, rows padded
+  std::ptrdiff_t node_stride_ = 0;
+  std::size_t node_count_ = 0;
   std::vector<Component> components_;  ///< by label
   FlatPartition<Node> partition_;      ///< of the nodes
   std::vector<Edge> pending_;          ///< in row order
@@ -70,11 +75,9 @@ class ColorSegmenter::Graph {
 
 void ColorSegmenter::Graph::segment(const cv::Mat3b& bgr, Segmentation& result) {
   edges_.weigh(bgr);
-  const auto [light, middle] = edges_.stepsAtShares(std::array{0.5, 0.7});
-  result.labels.create(bgr.size());
-  mergeTiles(light, result.labels);
-  gatherEdges(result.labels);
-  partition_.reset(components_.size());
+  const auto [light, middle] = edges_.stepsAtShares(std::array{0.6, 0.8});
+  mergeTiles(light);
+  gatherEdges();
   rejected_.clear();
   for (const int end_step : {middle, ColorEdges::kSteps}) {
     takePendingEdges(end_step);
@@ -86,52 +89,64 @@ void ColorSegmenter::Graph::segment(const cv::Mat3b& bgr, Segmentation& result) 
 }
 
 /// Merges within each tile; what it leaves becomes the nodes of the graph.
-void ColorSegmenter::Graph::mergeTiles(int end_step, cv::Mat1i& nodes) {
-  constexpr int kUnnumbered = -1;
-  std::array<int, TileMerger::kWidth * TileMerger::kHeight> node_of_label;
-  components_.clear();
-  for (int y = 0; y < nodes.rows; y += TileMerger::kHeight) {
-    for (int x = 0; x < nodes.cols; x += TileMerger::kWidth) {
-      const cv::Rect tile(x, y, std::min(TileMerger::kWidth, nodes.cols - x),
-                          std::min(TileMerger::kHeight, nodes.rows - y));
+void ColorSegmenter::Graph::mergeTiles(int end_step) {
+  constexpr std::size_t kTilePixels = TileMerger::kWidth * TileMerger::kHeight;
+  std::array<std::int32_t, kTilePixels> node_of_label;
+  const cv::Size size = edges_.size();
+  node_stride_ = size.width + ColorEdges::kPadding;
+  nodes_.resize(static_cast<std::size_t>(node_stride_ * size.height));
+  std::size_t count = 0;
+  for (int y = 0; y < size.height; y += TileMerger::kHeight) {
+    for (int x = 0; x < size.width; x += TileMerger::kWidth) {
+      const cv::Rect tile(x, y, std::min(TileMerger::kWidth, size.width - x),
+                          std::min(TileMerger::kHeight, size.height - y));
       tiles_.merge(edges_, tile, end_step);
-      node_of_label.fill(kUnnumbered);
+      components_.resize(std::max(components_.size(), count + kTilePixels + 1));
       for (int v = 0; v < tile.height; ++v) {
-        int* row = nodes[y + v] + x;
+        const std::uint16_t* labels = tiles_.labels(v);
         for (int u = 0; u < tile.width; ++u) {
-          const std::uint16_t label = tiles_.label(u, v);
-          int& node = node_of_label[label];
-          if (node == kUnnumbered) {
-            node = static_cast<int>(components_.size());
-            components_.push_back({tiles_.component(label).threshold, tiles_.component(label).area, 1});
-          }
-          row[u] = node;
+          const std::size_t pixel = static_cast<std::size_t>(v * TileMerger::kWidth + u);
+          node_of_label[pixel] = static_cast<std::int32_t>(count);
+          components_[count] = {tiles_.component(pixel).internal, tiles_.component(pixel).area, 1};
+          count += labels[u] == pixel ? 1 : 0;
+        }
+      }
+      for (int v = 0; v < tile.height; ++v) {
+        const std::uint16_t* labels = tiles_.labels(v);
+        std::int32_t* row = nodes_.data() + (y + v) * node_stride_ + x;
+        for (int u = 0; u < tile.width; ++u) {
+          row[u] = node_of_label[labels[u]];
         }
       }
     }
   }
+  node_count_ = count;
+  partition_.reset(node_count_);
 }
 
-/// Makes all edges between different nodes pending, in row order.
-void ColorSegmenter::Graph::gatherEdges(const cv::Mat1i& nodes) {
-  const int width = nodes.cols;
-  const std::array<std::ptrdiff_t, kEdgeDirections> offsets{1, width, width + 1, width - 1};
-  const std::size_t most_in_row = static_cast<std::size_t>(kEdgeDirections * width);
+/// Makes all edges between different nodes that can matter pending, in row order.
+void ColorSegmenter::Graph::gatherEdges() {
+  const cv::Size size = edges_.size();
+  const std::array<std::ptrdiff_t, kEdgeDirections> offsets{1, node_stride_, node_stride_ + 1, node_stride_ - 1};
+  const std::size_t most_in_row = static_cast<std::size_t>(kEdgeDirections * size.width);
   pending_size_ = 0;
-  for (int y = 0; y < nodes.rows; ++y) {
+  open_edges_.begin(edges_, nodes_.data(), node_stride_);
+  for (int y = 0; y < size.height; ++y) {
+    open_edges_.nextRow();
     if (pending_.size() < pending_size_ + most_in_row + 1) {
       pending_.resize(2 * (pending_size_ + most_in_row + 1));
     }
     Edge* out = pending_.data() + pending_size_;
     for (int d = 0; d < kEdgeDirections; ++d) {
       const std::uint16_t* steps = edges_.steps(y, d);
-      const int* here = nodes[y];
-      const int* there = here + offsets[static_cast<std::size_t>(d)];
+      const std::uint16_t* open = open_edges_.open(d);
+      const std::int32_t* here = nodes_.data() + y * node_stride_;
+      const std::int32_t* there = here + offsets[static_cast<std::size_t>(d)];
       const auto [first, end] = edges_.columns(y, d);
       for (int x = first; x < end; ++x) {
         *out = {static_cast<Node>(here[x]), static_cast<Node>(there[x]),
                 steps[x] & std::uint32_t{ColorEdges::kStepMask}};
-        out += here[x] != there[x] ? 1 : 0;
+        out += open[x] & 1U;
       }
     }
     pending_size_ = static_cast<std::size_t>(out - pending_.data());
@@ -169,6 +184,7 @@ void ColorSegmenter::Graph::sortBatch() {
   }
 }
 
+/// Edges inside a component are dropped chunk by chunk, without a branch that the processor could guess wrongly.
 void ColorSegmenter::Graph::mergeBatch() {
   const std::vector<float>& distances = ColorEdges::distances();
   constexpr std::size_t kChunk = 64;
@@ -187,7 +203,8 @@ void ColorSegmenter::Graph::mergeBatch() {
         continue;
       }
       const float weight = distances[edge.step];
-      if (weight <= std::min(components_[a].threshold, components_[b].threshold)) {
+      const Component &one = components_[a], &two = components_[b];
+      if (accepts(one.internal, one.area, weight, k_) && accepts(two.internal, two.area, weight, k_)) {
         unite(edge.a, edge.b, weight);
       } else {
         rejected_.push_back(edge);
@@ -205,7 +222,7 @@ void ColorSegmenter::Graph::unite(Node a, Node b, float weight) {
   const Component& joined = components_[partition_.label(b)];
   kept.area += joined.area;
   kept.nodes += joined.nodes;
-  kept.threshold = weight + k_ / static_cast<float>(kept.area);
+  kept.internal = weight;
   partition_.join(b, a);
 }
 
@@ -218,15 +235,17 @@ void ColorSegmenter::Graph::absorbSmallComponents() {
   }
 }
 
-/// Replaces the nodes in `result.labels` by the numbers of their components.
+/// Numbers the components by their first pixels and labels the pixels.
 void ColorSegmenter::Graph::numberComponents(Segmentation& result) {
   constexpr int kUnnumbered = -1;
-  numbers_.assign(components_.size(), kUnnumbered);
+  numbers_.assign(node_count_, kUnnumbered);
   result.count = 0;
+  result.labels.create(edges_.size());
   for (int y = 0; y < result.labels.rows; ++y) {
+    const std::int32_t* nodes = nodes_.data() + y * node_stride_;
     int* row = result.labels[y];
     for (int x = 0; x < result.labels.cols; ++x) {
-      int& number = numbers_[partition_.label(static_cast<std::size_t>(row[x]))];
+      int& number = numbers_[partition_.label(static_cast<std::size_t>(nodes[x]))];
       if (number == kUnnumbered) {
         number = result.count++;
       }

@@ -21,6 +21,7 @@ class FlatPartition {
   }
 
   [[nodiscard]] Index label(std::size_t element) const { return labels_[element]; }
+  [[nodiscard]] const Index* labels() const { return labels_.data(); }
 
   /// Gives the component of `element` the label of that of `other`, another one. Cost: the number of its elements.
   void join(Index element, Index other) {

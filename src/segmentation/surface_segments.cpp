@@ -12,6 +12,7 @@
 
 #include <Eigen/Dense>
 
+#include "saccade/core/multiversion.hpp"
 #include "segmentation/surface_fits.hpp"
 
 namespace saccade {
@@ -27,6 +28,12 @@ constexpr std::array<float, 2> kSeedCurvatures = {0.06F, 0.5F};
 struct Plane {
   float a = 0.0F, b = 0.0F, c = 0.0F;
   [[nodiscard]] float at(float u, float v) const { return a * u + b * v + c; }
+};
+
+/// A pixel of the halved image; its place is kept with its index, which would cost a division to take apart.
+struct Pixel {
+  int index = 0;
+  int u = 0, v = 0;
 };
 
 /// Sums of a growing patch about its seed, from which its plane is fitted.
@@ -58,6 +65,12 @@ struct PatchSums {
   }
 };
 
+SACCADE_MULTIVERSION void markWaiting(const int* labels, const float* inverse_depth, int columns, char* waiting) {
+  for (int x = 0; x < columns; ++x) {
+    waiting[x] = static_cast<char>((labels[x] == kFree) & (inverse_depth[x] > 0.0F));
+  }
+}
+
 }  // namespace
 
 void SurfaceSegmentsConfig::describe(ConfigVisitor& visitor) {
@@ -76,28 +89,36 @@ struct SurfaceSegmenter::Scratch {
       : max_distance(static_cast<float>(config.max_plane_distance_m)),
         max_step(static_cast<float>(config.max_depth_step_m)),
         least_cosine(static_cast<float>(std::cos(config.max_normal_angle_deg * std::numbers::pi / 180.0))),
-        least_pixels(std::max(1, config.min_size / 4)) {}
+        least_pixels(std::max(1, config.min_size / 4)),
+        least_size(config.min_size) {}
 
   void sortSeeds();
   void growPatches(float most_curvature);
-  int growPatch(int seed, int label);
-  void takeNeighbours(int pixel, int label);
-  void refit(int seed);
+  int growPatch(Pixel seed, int label);
+  void takeNeighbours(Pixel pixel, int label);
+  void refit(Pixel seed);
+  void queueRim();
   void absorbRest();
+  void assignPixels(const cv::Mat1f& depth_m, cv::Mat1i& out);
+  [[nodiscard]] int patchOf(const std::array<int, 4>& blocks, float q, float u, float v) const;
+  int numberPatches(cv::Mat1i& out);
 
   // Depth tolerances at 1 m are tolerances of inverse depth, in 1/m, at any depth.
   float max_distance, max_step, least_cosine;
-  int least_pixels;
+  int least_pixels;  ///< of the halved image
+  int least_size;    ///< px
 
   SurfaceFits fits;
   int width = 0, height = 0;
   std::vector<int> labels;     ///< patch per pixel, kFree = none
   std::vector<int> seeds;      ///< pixels with a normal, by rising curvature
   std::vector<int> positions;  ///< scratch of sorting the seeds, and final numbers of patches
-  std::vector<int> queue;      ///< pixels of the patch that grows, in the order taken
-  std::vector<int> refused;    ///< neighbours of the patch that did not fit when met
+  std::vector<Pixel> queue;    ///< pixels of the patch that grows, in the order taken
+  std::vector<Pixel> refused;  ///< pixels of the patch with neighbours that did not fit when met
+  std::vector<Pixel> again;    ///< those while they are tried again
+  std::vector<char> waiting;   ///< measured pixels in no patch, with a margin of a pixel
   std::vector<Plane> planes;   ///< per patch
-  std::vector<int> sizes;      ///< full-size pixels per patch
+  std::vector<int> sizes;      ///< full-size pixels of no patch, then per patch
   std::vector<char> hopeless;  ///< tried as a seed or in a patch too small: starts no other
 
   // The patch that grows.
@@ -139,21 +160,21 @@ void SurfaceSegmenter::Scratch::growPatches(float most_curvature) {
       continue;
     }
     const int label = static_cast<int>(planes.size());
-    if (growPatch(seed, label) >= least_pixels) {
+    if (growPatch({seed, seed % width, seed / width}, label) >= least_pixels) {
       planes.push_back(plane);
       continue;
     }
-    for (const int pixel : queue) {  // later patches may take these points
-      labels[static_cast<std::size_t>(pixel)] = kFree;
-      hopeless[static_cast<std::size_t>(pixel)] = 1;
+    for (const Pixel& pixel : queue) {  // later patches may take these points
+      labels[static_cast<std::size_t>(pixel.index)] = kFree;
+      hopeless[static_cast<std::size_t>(pixel.index)] = 1;
     }
   }
 }
 
 /// Grows a patch from its seed; returns its pixels, which are in `queue`.
-int SurfaceSegmenter::Scratch::growPatch(int seed, int label) {
-  const std::size_t s = static_cast<std::size_t>(seed);
-  const auto u = static_cast<float>(seed % width), v = static_cast<float>(seed / width);
+int SurfaceSegmenter::Scratch::growPatch(Pixel seed, int label) {
+  const std::size_t s = static_cast<std::size_t>(seed.index);
+  const auto u = static_cast<float>(seed.u), v = static_cast<float>(seed.v);
   const cv::Vec2f gradient = fits.gradients()[s];
   normal = fits.normals()[s];
   plane = {gradient[0], gradient[1], fits.inverseDepth()[s] - gradient[0] * u - gradient[1] * v};
@@ -164,9 +185,9 @@ int SurfaceSegmenter::Scratch::growPatch(int seed, int label) {
   std::size_t refit_at = 32;
   for (std::size_t next = 0;;) {
     for (; next < queue.size(); ++next) {
-      const int pixel = queue[next];
-      sums.add(pixel % width - seed % width, pixel / width - seed / width,
-               static_cast<double>(fits.inverseDepth()[static_cast<std::size_t>(pixel)]));
+      const Pixel pixel = queue[next];
+      sums.add(pixel.u - seed.u, pixel.v - seed.v,
+               static_cast<double>(fits.inverseDepth()[static_cast<std::size_t>(pixel.index)]));
       if (next + 1 == refit_at) {
         refit(seed);
         refit_at *= 2;
@@ -176,9 +197,9 @@ int SurfaceSegmenter::Scratch::growPatch(int seed, int label) {
     // With the last plane some points fit that did not fit an earlier one.
     refit(seed);
     const std::size_t before = queue.size();
-    std::vector<int> again;
     again.swap(refused);
-    for (const int pixel : again) {
+    refused.clear();
+    for (const Pixel& pixel : again) {
       takeNeighbours(pixel, label);
     }
     if (queue.size() == before) {
@@ -188,12 +209,12 @@ int SurfaceSegmenter::Scratch::growPatch(int seed, int label) {
   return static_cast<int>(queue.size());
 }
 
-void SurfaceSegmenter::Scratch::refit(int seed) {
+void SurfaceSegmenter::Scratch::refit(Pixel seed) {
   Eigen::Vector3d fitted;
   if (sums.n < 16.0 || !sums.fit(fitted)) {
     return;
   }
-  const double u = seed % width, v = seed / width;
+  const double u = seed.u, v = seed.v;
   const double c = fitted[2] - fitted[0] * u - fitted[1] * v;
   plane = {static_cast<float>(fitted[0]), static_cast<float>(fitted[1]), static_cast<float>(c)};
   const PinholeCamera& camera = fits.camera();
@@ -203,8 +224,8 @@ void SurfaceSegmenter::Scratch::refit(int seed) {
   normal = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
 }
 
-void SurfaceSegmenter::Scratch::takeNeighbours(int pixel, int label) {
-  const int u = pixel % width, v = pixel / width;
+void SurfaceSegmenter::Scratch::takeNeighbours(Pixel pixel, int label) {
+  const int u = pixel.u, v = pixel.v;
   const std::array<std::array<int, 2>, 4> around{{{u - 1, v}, {u + 1, v}, {u, v - 1}, {u, v + 1}}};
   bool any_refused = false;
   for (const auto& [x, y] : around) {
@@ -222,7 +243,7 @@ void SurfaceSegmenter::Scratch::takeNeighbours(int pixel, int label) {
                             n.x * normal.x + n.y * normal.y + n.z * normal.z >= least_cosine;
     if (fits_plane) {
       labels[o] = label;
-      queue.push_back(other);
+      queue.push_back({other, x, y});
     } else {
       any_refused = true;
     }
@@ -232,19 +253,34 @@ void SurfaceSegmenter::Scratch::takeNeighbours(int pixel, int label) {
   }
 }
 
+/// Queues the pixels of patches that have measured neighbours in none, in row order.
+void SurfaceSegmenter::Scratch::queueRim() {
+  const std::vector<float>& inverse_depth = fits.inverseDepth();
+  const std::ptrdiff_t stride = width + 2;
+  waiting.assign(static_cast<std::size_t>(stride * (height + 2)), 0);
+  for (std::ptrdiff_t v = 0; v < height; ++v) {
+    char* row = waiting.data() + (v + 1) * stride + 1;
+    markWaiting(labels.data() + v * width, inverse_depth.data() + v * width, width, row);
+  }
+  queue.clear();
+  for (int v = 0; v < height; ++v) {
+    const char* row = waiting.data() + (v + 1) * stride + 1;
+    const int* row_labels = labels.data() + static_cast<std::ptrdiff_t>(v) * width;
+    for (int u = 0; u < width; ++u) {
+      if ((row[u - 1] | row[u + 1] | row[u - stride] | row[u + stride]) != 0 && row_labels[u] != kFree) {
+        queue.push_back({v * width + u, u, v});
+      }
+    }
+  }
+}
+
 /// Gives points without a normal, or with one blurred across a crease, to the neighbouring patch whose plane they fit
 /// best.
 void SurfaceSegmenter::Scratch::absorbRest() {
   const std::vector<float>& inverse_depth = fits.inverseDepth();
-  queue.clear();
-  for (int i = 0; i < static_cast<int>(labels.size()); ++i) {
-    if (labels[static_cast<std::size_t>(i)] != kFree) {
-      queue.push_back(i);
-    }
-  }
+  queueRim();
   for (std::size_t next = 0; next < queue.size(); ++next) {
-    const int pixel = queue[next];
-    const int u = pixel % width, v = pixel / width;
+    const int u = queue[next].u, v = queue[next].v;
     const std::array<std::array<int, 2>, 4> around{{{u - 1, v}, {u + 1, v}, {u, v - 1}, {u, v + 1}}};
     for (const auto& [x, y] : around) {
       if (x < 0 || y < 0 || x >= width || y >= height) {
@@ -275,10 +311,74 @@ void SurfaceSegmenter::Scratch::absorbRest() {
       }
       if (best_label != kFree) {
         labels[static_cast<std::size_t>(other)] = best_label;
-        queue.push_back(other);
+        queue.push_back({other, x, y});
       }
     }
   }
+}
+
+/// Back to full size: a pixel takes the patch of its block, or of the block beside it, if it lies in the plane.
+void SurfaceSegmenter::Scratch::assignPixels(const cv::Mat1f& depth_m, cv::Mat1i& out) {
+  out.create(depth_m.size());
+  sizes.assign(planes.size() + 1, 0);  // the first counts the pixels of no patch
+  for (int y = 0; y < depth_m.rows; ++y) {
+    const float* row = depth_m[y];
+    int* row_out = out[y];
+    const int v = y / 2, v_beside = std::clamp(v + (y % 2 == 0 ? -1 : 1), 0, height - 1);
+    const auto plane_v = static_cast<float>(0.5 * y - 0.25);
+    int run_label = kFree, run = 0;  // counted run by run: a count cannot be read again as soon as it is written
+    for (int x = 0; x < depth_m.cols; ++x) {
+      int label = kFree;
+      if (row[x] > 0.0F) {
+        const int u = x / 2, u_beside = std::clamp(u + (x % 2 == 0 ? -1 : 1), 0, width - 1);
+        label = patchOf({v * width + u, v * width + u_beside, v_beside * width + u, v_beside * width + u_beside},
+                        1.0F / row[x], static_cast<float>(0.5 * x - 0.25), plane_v);
+      }
+      row_out[x] = label;
+      if (label != run_label) {
+        sizes[static_cast<std::size_t>(run_label + 1)] += run;
+        run_label = label;
+        run = 0;
+      }
+      ++run;
+    }
+    sizes[static_cast<std::size_t>(run_label + 1)] += run;
+  }
+}
+
+/// The patch of the first of some blocks in whose plane a pixel of inverse depth q lies.
+int SurfaceSegmenter::Scratch::patchOf(const std::array<int, 4>& blocks, float q, float u, float v) const {
+  for (const int block : blocks) {
+    const int label = labels[static_cast<std::size_t>(block)];
+    if (label != kFree && std::abs(q - planes[static_cast<std::size_t>(label)].at(u, v)) <= 1.5F * max_distance) {
+      return label;
+    }
+  }
+  return kFree;
+}
+
+/// Numbers the patches by first pixel, without those that are too small; returns their number.
+int SurfaceSegmenter::Scratch::numberPatches(cv::Mat1i& out) {
+  constexpr int kUnnumbered = -2;
+  positions.assign(planes.size() + 1, kUnnumbered);
+  positions[0] = kFree;
+  for (std::size_t label = 0; label < planes.size(); ++label) {
+    if (sizes[label + 1] < least_size) {
+      positions[label + 1] = kFree;
+    }
+  }
+  int count = 0;
+  for (int y = 0; y < out.rows; ++y) {
+    int* row = out[y];
+    for (int x = 0; x < out.cols; ++x) {
+      int& number = positions[static_cast<std::size_t>(row[x] + 1)];
+      if (number == kUnnumbered) {
+        number = count++;
+      }
+      row[x] = number;
+    }
+  }
+  return count;
 }
 
 SurfaceSegmenter::SurfaceSegmenter(SurfaceSegmentsConfig config) : config_(config) {
@@ -311,55 +411,8 @@ const Segmentation& SurfaceSegmenter::segment(const DepthMaps& depth) {
     s.absorbRest();
   }
 
-  // Back to full size: a pixel takes the patch of its block, or of the block beside it, if it lies in the plane.
-  segmentation_.labels.create(depth_m.size());
-  s.sizes.assign(s.planes.size(), 0);
-  for (int y = 0; y < depth_m.rows; ++y) {
-    const float* row = depth_m[y];
-    int* out = segmentation_.labels[y];
-    const int v = y / 2, v_beside = std::clamp(v + (y % 2 == 0 ? -1 : 1), 0, s.height - 1);
-    const auto plane_v = static_cast<float>(0.5 * y - 0.25);
-    for (int x = 0; x < depth_m.cols; ++x) {
-      out[x] = kFree;
-      if (!(row[x] > 0.0F)) {
-        continue;
-      }
-      const float q = 1.0F / row[x], plane_u = static_cast<float>(0.5 * x - 0.25);
-      const int u = x / 2, u_beside = std::clamp(u + (x % 2 == 0 ? -1 : 1), 0, s.width - 1);
-      const std::array<int, 4> blocks{v * s.width + u, v * s.width + u_beside, v_beside * s.width + u,
-                                      v_beside * s.width + u_beside};
-      for (const int block : blocks) {
-        const int label = s.labels[static_cast<std::size_t>(block)];
-        if (label != kFree &&
-            std::abs(q - s.planes[static_cast<std::size_t>(label)].at(plane_u, plane_v)) <= 1.5F * s.max_distance) {
-          out[x] = label;
-          ++s.sizes[static_cast<std::size_t>(label)];
-          break;
-        }
-      }
-    }
-  }
-
-  // Number by first pixel, without the patches that are too small.
-  s.positions.assign(s.planes.size(), kFree);
-  segmentation_.count = 0;
-  for (int y = 0; y < depth_m.rows; ++y) {
-    int* out = segmentation_.labels[y];
-    for (int x = 0; x < depth_m.cols; ++x) {
-      if (out[x] == kFree) {
-        continue;
-      }
-      const std::size_t label = static_cast<std::size_t>(out[x]);
-      if (s.sizes[label] < config_.min_size) {
-        out[x] = kFree;
-        continue;
-      }
-      if (s.positions[label] == kFree) {
-        s.positions[label] = segmentation_.count++;
-      }
-      out[x] = s.positions[label];
-    }
-  }
+  s.assignPixels(depth_m, segmentation_.labels);
+  segmentation_.count = s.numberPatches(segmentation_.labels);
   return segmentation_;
 }
 

@@ -27,7 +27,7 @@ class TileMerger {
   static constexpr int kHeight = 32;  ///< px
 
   struct Component {
-    float threshold = 0.0F;   ///< Int(C) + k / |C|, grey levels
+    float internal = 0.0F;    ///< Int(C), grey levels
     std::uint16_t area = 0;   ///< px
     std::uint16_t limit = 0;  ///< step from which on edges wait
   };
@@ -37,11 +37,10 @@ class TileMerger {
   /// Merges along the edges of less than `end_step` whose turn can be told.
   void merge(const ColorEdges& edges, const cv::Rect& tile, int end_step);
 
-  /// Label of the component at column u, row v of the tile.
-  [[nodiscard]] std::uint16_t label(int u, int v) const {
-    return partition_.label(static_cast<std::size_t>(v * kWidth + u));
-  }
-  [[nodiscard]] const Component& component(std::uint16_t label) const { return components_[label]; }
+  /// Labels of the components in row `v` of the tile, one for each column. The label of a component is the index of one
+  /// of its pixels, v * kWidth + u.
+  [[nodiscard]] const std::uint16_t* labels(int v) const { return partition_.labels() + v * kWidth; }
+  [[nodiscard]] const Component& component(std::size_t label) const { return components_[label]; }
 
  private:
   /// Step, pixel and direction in one word, by which edges sort.
@@ -50,9 +49,12 @@ class TileMerger {
   void limitAtBorder(const ColorEdges& edges, const cv::Rect& tile);
   void gather(const ColorEdges& edges, const cv::Rect& tile, int end_step);
   void sort();
+  void mergeSorted();
   [[nodiscard]] bool mergeAlong(PackedEdge edge);
 
   float k_;
+  const float* distances_;                ///< grey levels, by step
+  std::vector<Component> single_pixels_;  ///< how components start
   FlatPartition<std::uint16_t> partition_;
   std::vector<Component> components_;  ///< by label
   std::vector<PackedEdge> edges_, sorted_;
