@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   saccade::app::addExplore(program);
   saccade::app::addInspect(program);
   saccade::app::addSaliency(program);
+  saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
   saccade::app::addTrain(program);
   try {

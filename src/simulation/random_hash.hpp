@@ -22,6 +22,9 @@ class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed) : state_(mixed(seed)) {}
   [[nodiscard]] double between(double low, double high) { return low + (high - low) * uniform(next()); }
+  /// A whole number of 0 .. count - 1.
+  [[nodiscard]] int below(int count) { return static_cast<int>(uniform(next()) * count); }
+  [[nodiscard]] bool chance(double probability) { return uniform(next()) < probability; }
   [[nodiscard]] std::uint32_t bits() { return static_cast<std::uint32_t>(next() >> 32); }
 
  private:

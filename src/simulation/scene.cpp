@@ -1,51 +1,48 @@
 #include "saccade/simulation/scene.hpp"
 
 #include <stdexcept>
-#include <string>
-
-#include "simulation/primitive_geometry.hpp"
 
 namespace saccade {
 
-void Scene::add(const Primitive& primitive) {
-  const Eigen::Vector3d half = enclosingHalfSize(primitive);
-  const int needed = primitive.shape == Shape::kRectangle ? 2 : 3;
-  for (int axis = 0; axis < needed; ++axis) {
-    if (half[axis] > 0 && std::isfinite(half[axis])) continue;
-    throw std::invalid_argument("Scene: expected positive finite half sizes, found " + std::to_string(half[axis]));
-  }
-  primitives_.push_back(primitive);
+int Scene::addTexture(const cv::Mat3b& image) {
+  if (image.empty()) throw std::invalid_argument("Scene: expected a texture with pixels, found an empty image");
+  textures_.push_back(image);
+  return static_cast<int>(textures_.size()) - 1;
 }
 
-std::optional<SceneHit> Scene::cast(const Ray& ray) const {
-  SceneHit hit;
-  hit.t = kNoHit;
-  for (std::size_t i = 0; i < primitives_.size(); ++i) {
-    const Primitive& primitive = primitives_[i];
-    const Eigen::Matrix3d R_OW = primitive.T_WO.linear().transpose();
-    const double t = intersect(primitive.shape, primitive.half_size_m,
-                               R_OW * (ray.origin_W - primitive.T_WO.translation()), R_OW * ray.direction_W);
-    if (t < hit.t) {
-      hit.t = t;
-      hit.primitive = i;
+void Scene::add(Surface surface) {
+  const Mesh& mesh = surface.mesh;
+  const std::size_t count = mesh.vertices.size();
+  if (mesh.normals.size() != count || mesh.uv.size() != count) {
+    throw std::invalid_argument("Scene: expected " + std::to_string(count) +
+                                " normals and texture coordinates, found " + std::to_string(mesh.normals.size()) +
+                                " and " + std::to_string(mesh.uv.size()));
+  }
+  for (const Eigen::Vector3f& p : mesh.vertices) {
+    if (!p.allFinite()) throw std::invalid_argument("Scene: expected finite vertices, found one that is not");
+  }
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      if (corner < count) continue;
+      throw std::invalid_argument("Scene: expected corners below " + std::to_string(count) + ", found " +
+                                  std::to_string(corner));
     }
   }
-  if (hit.t == kNoHit) return std::nullopt;
-  const Primitive& primitive = primitives_[hit.primitive];
-  hit.p_W = ray.origin_W + hit.t * ray.direction_W;
-  const Eigen::Vector3d p_O = primitive.T_WO.inverse() * hit.p_W;
-  const Eigen::Vector3d normal_O = outwardNormal(primitive.shape, primitive.half_size_m, p_O);
-  hit.normal_W = primitive.T_WO.linear() * normal_O;
-  if (hit.normal_W.dot(ray.direction_W) > 0) hit.normal_W = -hit.normal_W;
-  hit.albedo = albedoAt(primitive, p_O, normal_O);
-  hit.object_id = primitive.object_id;
-  return hit;
+  const int textures = static_cast<int>(textures_.size());
+  if (surface.material.texture < 0 || surface.material.texture >= textures) {
+    throw std::invalid_argument("Scene: expected one of " + std::to_string(textures) + " textures, found number " +
+                                std::to_string(surface.material.texture));
+  }
+  if (surface.object_id < 0 || surface.object_id > static_cast<int>(objects_.size())) {
+    throw std::invalid_argument("Scene: expected one of " + std::to_string(objects_.size()) +
+                                " objects, found number " + std::to_string(surface.object_id));
+  }
+  surfaces_.push_back(std::move(surface));
 }
 
-double Scene::depthAt(const PinholeCamera& camera, const Pose& T_WC, double u, double v) const {
-  // The ray reaches z = 1 at t = 1, so t is the depth along the axis.
-  const std::optional<SceneHit> hit = cast({T_WC.translation(), T_WC.linear() * camera.unproject(u, v, 1.0)});
-  return hit ? hit->t : 0.0;
+int Scene::addObject(std::string kind) {
+  objects_.push_back({static_cast<int>(objects_.size()) + 1, std::move(kind)});
+  return objects_.back().id;
 }
 
 }  // namespace saccade

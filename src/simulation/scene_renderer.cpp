@@ -5,179 +5,167 @@
 #include <stdexcept>
 #include <string>
 
-#include "simulation/primitive_geometry.hpp"
+#include <Eigen/Geometry>
+#include <tbb/parallel_for.h>
+
+#include "simulation/embree_scene.hpp"
+#include "simulation/light_baking.hpp"
+#include "simulation/mipmap.hpp"
 
 namespace saccade {
 namespace {
 
-constexpr double kNearestCorner_m = 0.02;  // a corner nearer than this may project anywhere
-constexpr double kShadowOffset_m = 1e-4;   // keeps a surface from shadowing itself by rounding
-constexpr float kAmbient = 0.45f;
-constexpr float kLampPower = 2.1f;  // at 1 m, square to the light
+constexpr float kHighlightPower = 60.0f;    // how tight a highlight is
+constexpr float kHighlightGrey = 190.0f;    // grey levels that full gloss adds
+constexpr float kMirrorCosine = 0.93f;      // glossy surfaces this square to the sensor dazzle it
+constexpr float kDarkestEcho_grey = 14.0f;  // surfaces darker than this give no depth at all
+constexpr float kFullEcho_grey = 60.0f;
+constexpr double kLeastCosine = 0.25;  // bounds how far a slanted surface blurs its texture
 
-/// Distance of a point from the segment a-b.
-double distanceToSegment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  const Eigen::Vector3d ab = b - a;
-  const double share = std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-12), 0.0, 1.0);
-  return (a + share * ab - p).norm();
+/// What a triangle needs for shading, ready for use.
+struct TriangleData {
+  Eigen::Vector3d corner, edge1, edge2, normal;  ///< normal = edge1 x edge2 / |.|^2: barycentrics by two products
+  float texels_per_metre = 0.0f;
+};
+
+TriangleData prepareTriangle(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const cv::Size& texture) {
+  TriangleData data;
+  data.corner = mesh.vertices[corners[0]].cast<double>();
+  data.edge1 = mesh.vertices[corners[1]].cast<double>() - data.corner;
+  data.edge2 = mesh.vertices[corners[2]].cast<double>() - data.corner;
+  const Eigen::Vector3d cross = data.edge1.cross(data.edge2);
+  const Eigen::Vector2f a = mesh.uv[corners[1]] - mesh.uv[corners[0]], b = mesh.uv[corners[2]] - mesh.uv[corners[0]];
+  const double texels = std::abs(static_cast<double>(a.x() * b.y() - a.y() * b.x())) * texture.area();
+  const double area = cross.norm();
+  data.normal = area > 0 ? Eigen::Vector3d(cross / cross.squaredNorm()) : Eigen::Vector3d(0, 0, 0);
+  data.texels_per_metre = area > 0 ? static_cast<float>(std::sqrt(texels / area)) : 0.0f;
+  return data;
 }
 
 }  // namespace
 
-SceneRenderer::SceneRenderer(const Scene& scene, const PinholeCamera& camera) : scene_(scene), camera_(camera) {
+struct SceneRenderer::Parts {
+  Parts(Scene&& taken, const PinholeCamera& of)
+      : scene(std::move(taken)), camera(of), rays(scene), light(bakeLight(scene, rays)) {
+    for (const cv::Mat3b& image : scene.textures()) textures.emplace_back(image);
+    for (const Surface& surface : scene.surfaces()) {
+      std::vector<TriangleData>& data = triangles.emplace_back();
+      const cv::Size size = textures[static_cast<std::size_t>(surface.material.texture)].size();
+      for (const auto& corners : surface.mesh.triangles) data.push_back(prepareTriangle(surface.mesh, corners, size));
+    }
+  }
+
+  void renderRow(int row, const Pose& T_WC, SceneImages& images) const;
+  void shade(int row, int column, const TriangleHit& hit, const Eigen::Vector3d& origin_W, const Eigen::Vector3d& ray_W,
+             SceneImages& images) const;
+  [[nodiscard]] float highlight(const Eigen::Vector3d& p_W, const Eigen::Vector3d& normal_W,
+                                const Eigen::Vector3d& to_eye) const;
+
+  Scene scene;
+  PinholeCamera camera;
+  EmbreeScene rays;
+  std::vector<VertexLight> light;
+  std::vector<Mipmap> textures;
+  std::vector<std::vector<TriangleData>> triangles;  // by surface
+};
+
+float SceneRenderer::Parts::highlight(const Eigen::Vector3d& p_W, const Eigen::Vector3d& normal_W,
+                                      const Eigen::Vector3d& to_eye) const {
+  float sum = 0.0f;
+  for (const Lamp& lamp : scene.lamps()) {
+    const Eigen::Vector3d to_lamp = lamp.p_W - p_W;
+    if (to_lamp.squaredNorm() > lamp.reach_m * lamp.reach_m) continue;
+    const double along = normal_W.dot((to_lamp.normalized() + to_eye).normalized());
+    if (along > 0.8) sum += std::pow(static_cast<float>(along), kHighlightPower);
+  }
+  return sum;
+}
+
+void SceneRenderer::Parts::shade(int row, int column, const TriangleHit& hit, const Eigen::Vector3d& origin_W,
+                                 const Eigen::Vector3d& ray_W, SceneImages& images) const {
+  const Surface& surface = scene.surfaces()[hit.surface];
+  const TriangleData& data = triangles[hit.surface][hit.triangle];
+  const auto& corners = surface.mesh.triangles[hit.triangle];
+  // The ray reaches z = 1 in the camera's frame at t = 1, so t is the depth along the axis.
+  const double t = data.normal.dot(data.corner - origin_W) / data.normal.dot(ray_W);
+  const Eigen::Vector3d p_W = origin_W + t * ray_W, offset = p_W - data.corner;
+  const float b1 = std::clamp(static_cast<float>(data.normal.dot(offset.cross(data.edge2))), 0.0f, 1.0f);
+  const float b2 = std::clamp(static_cast<float>(data.normal.dot(data.edge1.cross(offset))), 0.0f, 1.0f - b1);
+  const float b0 = 1.0f - b1 - b2;
+  const auto mixed = [&](const auto& values) {
+    return b0 * values[corners[0]] + b1 * values[corners[1]] + b2 * values[corners[2]];
+  };
+  const Eigen::Vector3d to_eye = -ray_W.normalized();
+  const auto cosine = static_cast<float>(std::abs(data.normal.normalized().dot(to_eye)));
+  const Eigen::Vector2f uv = mixed(surface.mesh.uv);
+  const double pixel_m = t / (camera.fx * std::sqrt(std::max<double>(cosine, kLeastCosine)));
+  Eigen::Array3f bgr = textures[static_cast<std::size_t>(surface.material.texture)].sample(
+      uv, data.texels_per_metre * static_cast<float>(pixel_m));
+
+  const float grey = bgr.mean();
+  float echo = std::clamp((grey - kDarkestEcho_grey) / (kFullEcho_grey - kDarkestEcho_grey), 0.0f, 1.0f);
+  const float lit = mixed(light[hit.surface]);
+  bgr *= lit;
+  if (const float gloss = surface.material.gloss; gloss > 0) {
+    const Eigen::Vector3f smooth = mixed(surface.mesh.normals);
+    const Eigen::Vector3d normal_W = smooth.cast<double>().normalized();
+    bgr += gloss * lit * kHighlightGrey * highlight(p_W, normal_W, to_eye);
+    const auto square = static_cast<float>(std::abs(normal_W.dot(to_eye)));
+    if (square > kMirrorCosine) echo *= 1.0f - gloss * (square - kMirrorCosine) / (1.0f - kMirrorCosine);
+  }
+  images.color(row, column) =
+      cv::Vec3b(cv::saturate_cast<uchar>(bgr[0]), cv::saturate_cast<uchar>(bgr[1]), cv::saturate_cast<uchar>(bgr[2]));
+  images.depth_m(row, column) = static_cast<float>(t);
+  images.cosine(row, column) = cosine;
+  images.echo(row, column) = echo;
+  images.label(row, column) = static_cast<ushort>(surface.object_id);
+}
+
+void SceneRenderer::Parts::renderRow(int row, const Pose& T_WC, SceneImages& images) const {
+  const Eigen::Vector3d origin_W = T_WC.translation();
+  for (int first = 0; first < camera.width; first += EmbreeScene::kPacket) {
+    Eigen::Vector3f directions[EmbreeScene::kPacket];
+    TriangleHit hits[EmbreeScene::kPacket];
+    for (int i = 0; i < EmbreeScene::kPacket; ++i) {
+      directions[i] = (T_WC.linear() * camera.unproject(first + i, row, 1.0)).cast<float>();
+    }
+    rays.castPacket(origin_W.cast<float>(), directions, hits);
+    for (int i = 0; i < EmbreeScene::kPacket && first + i < camera.width; ++i) {
+      const int column = first + i;
+      if (hits[i].surface == kNoSurface) {
+        images.color(row, column) = cv::Vec3b(0, 0, 0);
+        images.depth_m(row, column) = images.cosine(row, column) = images.echo(row, column) = 0.0f;
+        images.label(row, column) = 0;
+        continue;
+      }
+      shade(row, column, hits[i], origin_W, T_WC.linear() * camera.unproject(column, row, 1.0), images);
+    }
+  }
+}
+
+SceneRenderer::SceneRenderer(Scene scene, const PinholeCamera& camera) {
   if (camera.width <= 0 || camera.height <= 0 || !(camera.fx > 0) || !(camera.fy > 0)) {
     throw std::invalid_argument("SceneRenderer: expected a camera with a size and focal lengths, found " +
                                 std::to_string(camera.width) + " x " + std::to_string(camera.height));
   }
-  for (const Primitive& primitive : scene.primitives()) reach_m_.push_back(enclosingHalfSize(primitive).norm());
-  views_.resize(scene.primitives().size());
-  pixels_.resize(kTile * kTile);
+  parts_ = std::make_unique<Parts>(std::move(scene), camera);
 }
 
-void SceneRenderer::prepareViews(const Pose& T_WC) {
-  const cv::Rect image(0, 0, camera_.width, camera_.height);
-  for (std::size_t i = 0; i < views_.size(); ++i) {
-    const Primitive& primitive = scene_.primitives()[i];
-    const Pose T_CO = T_WC.inverse() * primitive.T_WO;
-    View& view = views_[i];
-    view.R_OC = T_CO.linear().transpose();
-    view.origin_O = -(view.R_OC * T_CO.translation());
-    const Eigen::Vector3d half = enclosingHalfSize(primitive);
-    Eigen::Array2d low(1e9, 1e9), high(-1e9, -1e9);
-    int behind = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d sign((corner & 1) * 2 - 1, (corner >> 1 & 1) * 2 - 1, (corner >> 2) * 2 - 1);
-      const Eigen::Vector3d p_C = T_CO * sign.cwiseProduct(half);
-      if (p_C.z() < kNearestCorner_m) {
-        ++behind;
-        continue;
-      }
-      const Eigen::Array2d pixel = camera_.project(p_C).array();
-      low = low.min(pixel);
-      high = high.max(pixel);
-    }
-    if (behind == 8) {
-      view.outline = cv::Rect();
-    } else if (behind > 0) {
-      view.outline = image;
-    } else {
-      const Eigen::Array2d limit(camera_.width, camera_.height);
-      const Eigen::Array2i first = low.max(-1).min(limit).floor().cast<int>();
-      const Eigen::Array2i last = high.max(-1).min(limit).ceil().cast<int>();
-      view.outline = cv::Rect(cv::Point(first.x(), first.y()), cv::Point(last.x() + 1, last.y() + 1)) & image;
-    }
-  }
+SceneRenderer::~SceneRenderer() = default;
+SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;
+
+const Scene& SceneRenderer::scene() const {
+  return parts_->scene;
 }
 
-void SceneRenderer::castTile(const cv::Rect& tile) {
-  in_tile_.clear();
-  for (std::size_t i = 0; i < views_.size(); ++i) {
-    if ((views_[i].outline & tile).area() > 0) in_tile_.push_back(static_cast<std::uint32_t>(i));
-  }
-  for (int v = 0; v < tile.height; ++v) {
-    for (int u = 0; u < tile.width; ++u) {
-      const Eigen::Vector3d ray_C = camera_.unproject(tile.x + u, tile.y + v, 1.0);
-      TilePixel nearest{kNoHit, 0};
-      for (const std::uint32_t i : in_tile_) {
-        const Primitive& primitive = scene_.primitives()[i];
-        const double t = intersect(primitive.shape, primitive.half_size_m, views_[i].origin_O, views_[i].R_OC * ray_C);
-        if (t < nearest.t) nearest = {t, i};
-      }
-      pixels_[static_cast<std::size_t>(v * kTile + u)] = nearest;
-    }
-  }
-}
-
-// An occluder of any of the tile's points touches the capsule from the lamp to the sphere around those points.
-void SceneRenderer::findOccluders(const cv::Rect& tile, const Pose& T_WC) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(kNoHit), high = Eigen::Vector3d::Constant(-kNoHit);
-  for (int v = 0; v < tile.height; ++v) {
-    for (int u = 0; u < tile.width; ++u) {
-      const TilePixel& pixel = pixels_[static_cast<std::size_t>(v * kTile + u)];
-      if (pixel.t == kNoHit) continue;
-      const Eigen::Vector3d p_W = T_WC * camera_.unproject(tile.x + u, tile.y + v, pixel.t);
-      low = low.cwiseMin(p_W);
-      high = high.cwiseMax(p_W);
-    }
-  }
-  occluders_.clear();
-  if (low.x() > high.x()) return;
-  const Eigen::Vector3d middle = 0.5 * (low + high);
-  const double radius = 0.5 * (high - low).norm();
-  for (std::size_t i = 0; i < views_.size(); ++i) {
-    const Primitive& primitive = scene_.primitives()[i];
-    if (primitive.shape == Shape::kRectangle) continue;  // walls enclose the lamp, they shade nothing
-    if (distanceToSegment(primitive.T_WO.translation(), scene_.lamp(), middle) < reach_m_[i] + radius) {
-      occluders_.push_back(static_cast<std::uint32_t>(i));
-    }
-  }
-}
-
-bool SceneRenderer::isLit(const Eigen::Vector3d& p_W) const {
-  const Eigen::Vector3d to_lamp = scene_.lamp() - p_W;
-  for (const std::uint32_t i : occluders_) {
-    const Primitive& primitive = scene_.primitives()[i];
-    const Eigen::Matrix3d R_OW = primitive.T_WO.linear().transpose();
-    const Eigen::Vector3d origin_O = R_OW * (p_W - primitive.T_WO.translation());
-    if (intersect(primitive.shape, primitive.half_size_m, origin_O, R_OW * to_lamp) < 1.0) return false;
-  }
-  return true;
-}
-
-void SceneRenderer::shadeTile(const cv::Rect& tile, const Pose& T_WC, SceneImages& images) const {
-  for (int v = 0; v < tile.height; ++v) {
-    for (int u = 0; u < tile.width; ++u) {
-      const TilePixel& pixel = pixels_[static_cast<std::size_t>(v * kTile + u)];
-      const int row = tile.y + v, column = tile.x + u;
-      if (pixel.t == kNoHit) {
-        images.color(row, column) = cv::Vec3b(0, 0, 0);
-        images.depth_m(row, column) = 0.0f;
-        images.cosine(row, column) = 0.0f;
-        images.label(row, column) = 0;
-        continue;
-      }
-      const Primitive& primitive = scene_.primitives()[pixel.primitive];
-      const View& view = views_[pixel.primitive];
-      const Eigen::Vector3d ray_C = camera_.unproject(column, row, 1.0);
-      const Eigen::Vector3d ray_O = view.R_OC * ray_C;
-      const Eigen::Vector3d p_O = view.origin_O + pixel.t * ray_O;
-      const Eigen::Vector3d outward_O = outwardNormal(primitive.shape, primitive.half_size_m, p_O);
-      const double towards = -outward_O.dot(ray_O) / ray_C.norm();
-      const Eigen::Vector3d normal_W = primitive.T_WO.linear() * (towards >= 0 ? outward_O : -outward_O);
-      const Eigen::Vector3d p_W = T_WC * (pixel.t * ray_C) + kShadowOffset_m * normal_W;
-
-      const Eigen::Vector3d to_lamp = scene_.lamp() - p_W;
-      const double distance = to_lamp.norm();
-      float light = kAmbient;
-      if (const double facing = normal_W.dot(to_lamp) / distance; facing > 0 && isLit(p_W)) {
-        light += kLampPower * static_cast<float>(facing / (1.0 + distance * distance));
-      }
-      const Eigen::Vector3f bgr = 255.0f * light * albedoAt(primitive, p_O, outward_O);
-      images.color(row, column) = cv::Vec3b(cv::saturate_cast<uchar>(bgr.x()), cv::saturate_cast<uchar>(bgr.y()),
-                                            cv::saturate_cast<uchar>(bgr.z()));
-      images.depth_m(row, column) = static_cast<float>(pixel.t);
-      images.cosine(row, column) = static_cast<float>(std::abs(towards));
-      images.label(row, column) = static_cast<ushort>(primitive.object_id);
-    }
-  }
-}
-
-void SceneRenderer::render(const Pose& T_WC, SceneImages& images) {
-  const cv::Size size(camera_.width, camera_.height);
+void SceneRenderer::render(const Pose& T_WC, SceneImages& images) const {
+  const cv::Size size(parts_->camera.width, parts_->camera.height);
   images.color.create(size);
   images.depth_m.create(size);
   images.cosine.create(size);
+  images.echo.create(size);
   images.label.create(size);
-  prepareViews(T_WC);
-  const cv::Rect image(cv::Point(0, 0), size);
-  for (int v = 0; v < size.height; v += kTile) {
-    for (int u = 0; u < size.width; u += kTile) {
-      const cv::Rect tile = cv::Rect(u, v, kTile, kTile) & image;
-      castTile(tile);
-      findOccluders(tile, T_WC);
-      shadeTile(tile, T_WC, images);
-    }
-  }
+  tbb::parallel_for(0, size.height, [&](int row) { parts_->renderRow(row, T_WC, images); });
 }
 
 }  // namespace saccade

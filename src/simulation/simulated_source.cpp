@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
 #include "saccade/core/errors.hpp"
 #include "saccade/simulation/scene_renderer.hpp"
 #include "saccade/simulation/sensor_noise.hpp"
+#include "simulation/exposure.hpp"
 
 namespace saccade {
 namespace {
@@ -31,90 +33,124 @@ Number parseValue(const std::string& input, std::string_view key, std::string_vi
   return value;
 }
 
-class SimulatedSource final : public FrameSource {
- public:
-  SimulatedSource(const SimulationRequest& request, const FrameRange& range);
-
-  [[nodiscard]] const SourceDescription& description() const override { return description_; }
-  [[nodiscard]] ReadStatus read(RgbdFrame& frame) override;
-  [[nodiscard]] const std::string& skipReason() const override { return skip_reason_; }
-
- private:
-  SimulationRequest request_;
-  FrameRange range_;
-  std::int64_t end_ = 0;
-  std::int64_t next_ = 0;
-  Scene scene_;
-  SceneRenderer renderer_;
-  SensorNoise noise_;
-  SceneImages images_;
-  SourceDescription description_;
-  std::string skip_reason_;  // stays empty: nothing is ever skipped
-};
-
 SensorNoiseConfig noiseOfStrength(double strength) {
   SensorNoiseConfig config;
   config.strength = strength;
   return config;
 }
 
-SimulatedSource::SimulatedSource(const SimulationRequest& request, const FrameRange& range)
-    : request_(request),
-      range_(range),
-      end_(std::min(range.end.value_or(request.frames), request.frames)),
-      next_(range.first),
-      scene_(makeDeskScene(request.seed)),
-      renderer_(scene_, simulatedCamera()),
-      noise_(request.seed, noiseOfStrength(request.noise)) {
+std::string knownScenes() {
+  std::string names;
+  for (const SceneKind& kind : sceneKinds()) names += (names.empty() ? "" : ", ") + std::string(kind.name);
+  return names;
+}
+
+const SceneKind& requireKind(const std::string& input, const std::string& name) {
+  const SceneKind* kind = findSceneKind(name);
+  if (kind == nullptr) throw IoError(input, "a known scene (" + knownScenes() + ")", name);
+  return *kind;
+}
+
+SourceDescription describe(const SimulationRequest& request, const FrameRange& range) {
+  SourceDescription description;
+  description.kind = "simulated scene";
+  std::ostringstream location;
+  location << kPrefix << request.scene << "?seed=" << request.seed << "&frames=" << request.frames
+           << "&noise=" << request.noise;
+  description.location = location.str();
+  description.total_frames = request.frames;
+  const std::int64_t end = std::min(range.end.value_or(request.frames), request.frames);
+  description.frames = range.first < end ? (end - range.first + range.step - 1) / range.step : 0;
+  if (description.frames == 0) {
+    throw IoError(description.location, "frames in the selected range",
+                  "none of " + std::to_string(request.frames) + " from " + std::to_string(range.first) + " on");
+  }
+  description.camera = simulatedCamera();
+  description.intrinsics_origin = "the simulator";
+  description.depth_units_per_metre = 1.0;
+  description.depth_scale_origin = "the simulator measures in metres";
+  description.has_depth = description.has_poses = description.has_labels = true;
+  if (request.noise == 0) description.remarks.emplace_back("ideal images: no sensor noise");
+  return description;
+}
+
+}  // namespace
+
+struct SimulatedSource::Parts {
+  Parts(const SimulationRequest& of, const FrameRange& range, SimulatedWorld&& world)
+      : request(of),
+        step(range.step),
+        end(std::min(range.end.value_or(of.frames), of.frames)),
+        next(range.first),
+        cameraPose(std::move(world.cameraPose)),
+        renderer(std::move(world.scene), simulatedCamera()),
+        noise(of.seed, noiseOfStrength(of.noise)),
+        exposure(of.seed, of.noise, simulatedCamera()) {}
+
+  SimulationRequest request;
+  std::int64_t step, end, next;
+  std::function<Pose(std::int64_t)> cameraPose;
+  SceneRenderer renderer;
+  SensorNoise noise;
+  Exposure exposure;
+  SceneImages images;
+  SourceDescription description;
+  std::string skip_reason;  // stays empty: nothing is ever skipped
+};
+
+SimulatedSource::SimulatedSource(const SimulationRequest& request, const FrameRange& range) {
   if (range.first < 0 || range.step < 1) {
     throw std::invalid_argument("frame range: expected first >= 0 and step >= 1, found " + std::to_string(range.first) +
                                 " and " + std::to_string(range.step));
   }
-  description_.kind = "simulated scene";
-  description_.location = "sim:" + request.scene + "?seed=" + std::to_string(request.seed) +
-                          "&frames=" + std::to_string(request.frames) + "&noise=" + std::to_string(request.noise);
-  description_.total_frames = request.frames;
-  description_.frames = next_ < end_ ? (end_ - next_ + range.step - 1) / range.step : 0;
-  if (description_.frames == 0) {
-    throw IoError(description_.location, "frames in the selected range",
-                  "none of " + std::to_string(request.frames) + " from " + std::to_string(range.first) + " on");
-  }
-  description_.camera = simulatedCamera();
-  description_.intrinsics_origin = "the simulator";
-  description_.depth_units_per_metre = 1.0;
-  description_.depth_scale_origin = "the simulator measures in metres";
-  description_.has_depth = description_.has_poses = description_.has_labels = true;
-  if (request.noise == 0) description_.remarks.emplace_back("ideal images: no sensor noise");
+  const SceneKind& kind = requireKind("sim:" + request.scene, request.scene);
+  SourceDescription description = describe(request, range);
+  parts_ = std::make_unique<Parts>(request, range, makeWorld(kind, request.seed));
+  parts_->description = std::move(description);
+}
+
+SimulatedSource::~SimulatedSource() = default;
+
+const SourceDescription& SimulatedSource::description() const {
+  return parts_->description;
+}
+
+const std::string& SimulatedSource::skipReason() const {
+  return parts_->skip_reason;
+}
+
+const std::vector<SceneObject>& SimulatedSource::objects() const {
+  return parts_->renderer.scene().objects();
 }
 
 ReadStatus SimulatedSource::read(RgbdFrame& frame) {
-  if (next_ >= end_) return ReadStatus::kEnd;
-  const std::int64_t index = next_;
-  next_ += range_.step;
+  Parts& p = *parts_;
+  if (p.next >= p.end) return ReadStatus::kEnd;
+  const std::int64_t index = p.next;
+  p.next += p.step;
 
   char name[32];
   std::snprintf(name, sizeof name, "-%06lld", static_cast<long long>(index));
   frame.index.value = index;
-  frame.name = request_.scene + name;
+  frame.name = p.request.scene + name;
   frame.stamp_s = static_cast<double>(index) / kFramesPerSecond;
-  frame.T_WC = deskCameraPose(request_.seed, index);
+  frame.T_WC = p.cameraPose(index);
 
   // The frame lends its buffers to the renderer.
-  images_.color = frame.color;
-  images_.depth_m = frame.depth_m;
-  images_.label = frame.label;
-  renderer_.render(*frame.T_WC, images_);
-  noise_.apply(index, images_);
-  frame.color = images_.color;
-  frame.depth_m = images_.depth_m;
-  frame.label = images_.label;
-  images_.color.release();
-  images_.depth_m.release();
-  images_.label.release();
+  p.images.color = frame.color;
+  p.images.depth_m = frame.depth_m;
+  p.images.label = frame.label;
+  p.renderer.render(*frame.T_WC, p.images);
+  p.exposure.apply(index, p.images.depth_m, p.cameraPose(index + 1).inverse() * *frame.T_WC, p.images.color);
+  p.noise.apply(index, p.images);
+  frame.color = p.images.color;
+  frame.depth_m = p.images.depth_m;
+  frame.label = p.images.label;
+  p.images.color.release();
+  p.images.depth_m.release();
+  p.images.label.release();
   return ReadStatus::kFrame;
 }
-
-}  // namespace
 
 bool SimulationRequest::matches(const std::string& input) {
   return input.starts_with(kPrefix);
@@ -126,7 +162,7 @@ SimulationRequest SimulationRequest::parse(const std::string& input) {
   std::string_view rest = std::string_view(input).substr(kPrefix.size());
   const std::size_t question = std::min(rest.find('?'), rest.size());
   request.scene = rest.substr(0, question);
-  if (request.scene != "desk") throw IoError(input, "a known scene (desk)", request.scene);
+  request.frames = requireKind(input, request.scene).default_frames;
   rest.remove_prefix(std::min(question + 1, rest.size()));
   while (!rest.empty()) {
     const std::size_t end = std::min(rest.find('&'), rest.size());
@@ -149,10 +185,6 @@ SimulationRequest SimulationRequest::parse(const std::string& input) {
 
 PinholeCamera simulatedCamera() {
   return {640, 480, 525.0, 525.0, 319.5, 239.5};
-}
-
-std::unique_ptr<FrameSource> openSimulation(const SimulationRequest& request, const FrameRange& range) {
-  return std::make_unique<SimulatedSource>(request, range);
 }
 
 }  // namespace saccade

@@ -81,7 +81,7 @@ std::unique_ptr<FrameSource> openSource(const std::string& input, const FrameRan
   }
   if (SimulationRequest::matches(input)) {
     if (!labels.empty()) throw IoError(labels, "no label folder beside a simulated scene, which has its own", "one");
-    return openSimulation(SimulationRequest::parse(input), range);
+    return std::make_unique<SimulatedSource>(SimulationRequest::parse(input), range);
   }
   const std::filesystem::path folder(input);
   std::error_code error;

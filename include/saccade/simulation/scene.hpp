@@ -1,79 +1,64 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
 
-#include "saccade/core/camera.hpp"
-#include "saccade/core/frame.hpp"
+#include "saccade/simulation/mesh.hpp"
 
 namespace saccade {
 
-/// Surfaces with exact ray intersections. All are centred on the origin of their own frame O.
-enum class Shape {
-  kRectangle,  ///< in the plane z = 0, half sizes x and y, seen from both sides
-  kBox,        ///< half sizes x, y and z
-  kCylinder,   ///< about the z axis, with both caps: radius = half size x, half height = half size z
-  kSphere,     ///< radius = half size x
-};
-
-enum class Pattern { kPlain, kChecker, kStripes, kSpeckle, kWood, kPicture };
-
-/// Procedural texture: a function of the place on the surface in metres, nothing is stored.
+/// How a surface looks and how it answers the depth sensor's infrared light.
 struct Material {
-  Pattern pattern = Pattern::kPlain;
-  Eigen::Vector3f color = Eigen::Vector3f::Constant(0.6f);   ///< BGR reflectance, 0..1
-  Eigen::Vector3f second = Eigen::Vector3f::Constant(0.3f);  ///< the pattern's other colour
-  double scale_m = 0.1;                                      ///< size of the pattern's cells
-  std::uint32_t seed = 0;                                    ///< which of the many patterns of the kind
+  int texture = 0;     ///< index from Scene::addTexture
+  float gloss = 0.0f;  ///< 0 = matt .. 1 = polished metal or glass: highlights, and no depth where it mirrors
 };
 
-struct Primitive {
-  Shape shape = Shape::kBox;
-  Pose T_WO = Pose::Identity();
-  Eigen::Vector3d half_size_m = Eigen::Vector3d::Constant(0.1);
+/// A textured mesh in world coordinates. Several surfaces may form one object.
+struct Surface {
+  Mesh mesh;
   Material material;
-  int object_id = 0;  ///< instance that it belongs to; several primitives may form one object; 0 = background
+  int object_id = 0;  ///< 0 = background: walls, posters, furniture
 };
 
-/// Ray in world coordinates; the direction need not have unit length.
-struct Ray {
-  Eigen::Vector3d origin_W;
-  Eigen::Vector3d direction_W;
-};
-
-struct SceneHit {
-  double t = 0.0;  ///< p_W = origin + t * direction, t > 0
+/// A soft, round lamp that faces all directions alike.
+struct Lamp {
   Eigen::Vector3d p_W;
-  Eigen::Vector3d normal_W;  ///< unit length, turned against the ray
-  Eigen::Vector3f albedo;    ///< BGR reflectance, 0..1
-  int object_id = 0;
-  std::size_t primitive = 0;
+  double radius_m = 0.25;
+  double power = 1.0;    ///< brightness of a white surface at 1 m, square to the light, in shares of full white
+  double reach_m = 6.0;  ///< nothing farther away is lit by it
 };
 
-/// A scene of primitives with one shadow-casting lamp, cast exactly: the analytic truth that tests of any stage can
-/// compare with. Rendering whole images fast is SceneRenderer's business; noise is SensorNoise's.
+struct SceneObject {
+  int id = 0;
+  std::string kind;  ///< "mug", "book", ...
+};
+
+/// A scene of textured meshes, lamps and numbered objects: what SceneRenderer shows. World z is up, metres.
 class Scene {
  public:
-  /// Appends a primitive. Throws std::invalid_argument if a size that its shape needs is not positive and finite.
-  void add(const Primitive& primitive);
-  /// Puts the lamp; it shines equally in all directions.
-  void setLamp(const Eigen::Vector3d& p_W) { lamp_W_ = p_W; }
+  /// Keeps a BGR image as texture and returns its index; repeated beyond its edges.
+  int addTexture(const cv::Mat3b& image);
+  /// Appends background. Throws std::invalid_argument on a mesh or material that does not fit together.
+  void addBackground(Mesh mesh, const Material& material) { add({std::move(mesh), material, 0}); }
+  /// Appends any surface; the same checks.
+  void add(Surface surface);
+  /// Numbers a new object, from 1 on.
+  int addObject(std::string kind);
+  void addLamp(const Lamp& lamp) { lamps_.push_back(lamp); }
 
-  [[nodiscard]] const std::vector<Primitive>& primitives() const { return primitives_; }
-  [[nodiscard]] const Eigen::Vector3d& lamp() const { return lamp_W_; }
-
-  /// Nearest surface on the ray; none if it meets nothing. Tests every primitive.
-  [[nodiscard]] std::optional<SceneHit> cast(const Ray& ray) const;
-  /// Depth along the optical axis that an ideal camera at T_WC measures at pixel (u, v); 0 if it sees nothing.
-  [[nodiscard]] double depthAt(const PinholeCamera& camera, const Pose& T_WC, double u, double v) const;
+  [[nodiscard]] const std::vector<cv::Mat3b>& textures() const { return textures_; }
+  [[nodiscard]] const std::vector<Surface>& surfaces() const { return surfaces_; }
+  [[nodiscard]] const std::vector<Lamp>& lamps() const { return lamps_; }
+  [[nodiscard]] const std::vector<SceneObject>& objects() const { return objects_; }
 
  private:
-  std::vector<Primitive> primitives_;
-  Eigen::Vector3d lamp_W_ = Eigen::Vector3d(0, 0, 2);
+  std::vector<cv::Mat3b> textures_;
+  std::vector<Surface> surfaces_;
+  std::vector<Lamp> lamps_;
+  std::vector<SceneObject> objects_;
 };
 
 }  // namespace saccade

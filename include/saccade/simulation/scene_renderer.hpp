@@ -1,61 +1,44 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include <opencv2/core.hpp>
 
 #include "saccade/core/camera.hpp"
+#include "saccade/core/frame.hpp"
 #include "saccade/simulation/scene.hpp"
 
 namespace saccade {
 
 /// Exact images of a scene from one pose.
 struct SceneImages {
-  cv::Mat3b color;    ///< BGR, lit by the lamp with shadows and by ambient light
+  cv::Mat3b color;    ///< BGR, lit by the lamps with soft shadows and ambient occlusion
   cv::Mat1f depth_m;  ///< along the optical axis, 0 = nothing there
   cv::Mat1f cosine;   ///< of the angle between the surface normal and the direction to the camera
+  cv::Mat1f echo;     ///< share of infrared light that comes back as a usable pattern: low on dark and mirroring places
   cv::Mat1w label;    ///< object id, 0 = background
 };
 
-/// Ray-casts whole images of a scene: per tile of the image only the primitives whose outline touches it, per tile only
-/// the occluders between it and the lamp. The depth equals Scene::cast's.
+/// Renders a scene with Embree: one ray a pixel finds the triangle, whose plane then gives the depth in double
+/// precision. Light does not move, so it is computed once for every vertex (soft lamps, ambient occlusion) when the
+/// renderer is made, and costs nothing in a frame.
 ///
-/// Owns its scratch, one instance per thread; the images' buffers are reused. About 40 ms for 640x480 of the desk.
+/// Uses all TBB threads; the images depend neither on their number nor on earlier frames. One caller at a time.
 class SceneRenderer {
  public:
-  /// Keeps a reference: `scene` must outlive the renderer. Throws std::invalid_argument on an empty camera.
-  SceneRenderer(const Scene& scene, const PinholeCamera& camera);
+  /// Takes the scene over and lights it. Throws std::invalid_argument on an empty camera.
+  SceneRenderer(Scene scene, const PinholeCamera& camera);
+  ~SceneRenderer();
+  SceneRenderer(SceneRenderer&&) noexcept;
 
-  void render(const Pose& T_WC, SceneImages& images);
+  [[nodiscard]] const Scene& scene() const;
+  /// Renders what the camera at T_WC sees; buffers of `images` are reused.
+  void render(const Pose& T_WC, SceneImages& images) const;
 
  private:
-  static constexpr int kTile = 16;
-
-  /// A primitive as seen by the present camera: rays of the camera in the primitive's frame, and its outline.
-  struct View {
-    Eigen::Matrix3d R_OC;
-    Eigen::Vector3d origin_O;
-    cv::Rect outline;
-  };
-  struct TilePixel {
-    double t;
-    std::uint32_t primitive;
-  };
-
-  void prepareViews(const Pose& T_WC);
-  void castTile(const cv::Rect& tile);
-  void findOccluders(const cv::Rect& tile, const Pose& T_WC);
-  void shadeTile(const cv::Rect& tile, const Pose& T_WC, SceneImages& images) const;
-  [[nodiscard]] bool isLit(const Eigen::Vector3d& p_W) const;
-
-  const Scene& scene_;
-  PinholeCamera camera_;
-  std::vector<double> reach_m_;  // radius of each primitive's enclosing sphere
-  std::vector<View> views_;
-  std::vector<std::uint32_t> in_tile_;
-  std::vector<std::uint32_t> occluders_;
-  std::vector<TilePixel> pixels_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace saccade

@@ -4,12 +4,13 @@
 #include <memory>
 #include <string>
 
-#include "saccade/simulation/scene.hpp"
+#include "saccade/core/camera.hpp"
+#include "saccade/simulation/simulated_world.hpp"
 #include "saccade/sources/frame_source.hpp"
 
 namespace saccade {
 
-/// What `sim:SCENE?key=value&...` asks for: `sim:desk`, `sim:desk?seed=3&frames=200&noise=0`.
+/// What `sim:SCENE?key=value&...` asks for: `sim:desk`, `sim:coffee?seed=3&frames=200&noise=0`.
 struct SimulationRequest {
   std::string scene = "desk";
   std::uint64_t seed = 0;     ///< placement, looks, camera path and noise
@@ -18,25 +19,33 @@ struct SimulationRequest {
 
   /// True for a text that begins with "sim:".
   [[nodiscard]] static bool matches(const std::string& input);
-  /// Throws IoError for an unknown scene or key and a bad value; it says which are known.
+  /// Throws IoError for an unknown scene or key and a bad value; it says which are known. Frames that are not given
+  /// are those of the scene.
   [[nodiscard]] static SimulationRequest parse(const std::string& input);
 };
-
-/// A desk in the corner of a room: about a dozen objects of everyday sizes on it and a few on the shelf above,
-/// furniture and posters around. World z is up, the floor is z = 0. Object ids count from 1; furniture, walls and
-/// posters are 0.
-[[nodiscard]] Scene makeDeskScene(std::uint64_t seed);
-
-/// Pose of the hand-held camera in front of the desk at a frame: a smooth path with a little tremor, at most 2 cm and
-/// 1.5 degrees a frame.
-[[nodiscard]] Pose deskCameraPose(std::uint64_t seed, std::int64_t frame);
 
 /// The camera of all simulated scenes: 640 x 480, 525 px.
 [[nodiscard]] PinholeCamera simulatedCamera();
 
-/// A simulated sequence with exact poses (T_WC), object masks (label) and, unless noise is 0, a Kinect's noise. The
-/// same request gives the same bytes, frame by frame, whatever range is read.
-[[nodiscard]] std::unique_ptr<FrameSource> openSimulation(const SimulationRequest& request,
-                                                          const FrameRange& range = {});
+/// A simulated sequence with exact poses (T_WC), object masks (label) and, unless noise is 0, a hand-held Kinect's
+/// noise, blur and exposure. The same request gives the same bytes, frame by frame, whatever range is read and with
+/// any number of threads.
+class SimulatedSource final : public FrameSource {
+ public:
+  /// Makes and lights the scene. Throws IoError if the scene is unknown or the range holds no frame.
+  explicit SimulatedSource(const SimulationRequest& request, const FrameRange& range = {});
+  ~SimulatedSource() override;
+
+  [[nodiscard]] const SourceDescription& description() const override;
+  [[nodiscard]] ReadStatus read(RgbdFrame& frame) override;
+  [[nodiscard]] const std::string& skipReason() const override;
+
+  /// All objects of the scene, whether a frame shows them or not.
+  [[nodiscard]] const std::vector<SceneObject>& objects() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace saccade
