@@ -81,31 +81,6 @@ double sigmoid(double decision, double a, double b) {
   return x >= 0.0 ? std::exp(-x) / (1.0 + std::exp(-x)) : 1.0 / (1.0 + std::exp(x));
 }
 
-// Pairwise coupling of two classes (Wu, Lin & Weng 2004, second method), with LIBSVM's start, order and stopping rule:
-// it stops short of the exact answer r, and whoever wants LIBSVM's numbers must stop where it stops.
-double couple(double r) {
-  constexpr double kStop = 0.005 / 2.0;
-  const double s = 1.0 - r;
-  const std::array<std::array<double, 2>, 2> q{{{s * s, -s * r}, {-s * r, r * r}}};
-  std::array<double, 2> p{0.5, 0.5};
-  for (int round = 0; round < 100; ++round) {
-    std::array<double, 2> qp{q[0][0] * p[0] + q[0][1] * p[1], q[1][0] * p[0] + q[1][1] * p[1]};
-    double pqp = p[0] * qp[0] + p[1] * qp[1];
-    if (std::max(std::abs(qp[0] - pqp), std::abs(qp[1] - pqp)) < kStop) break;
-    for (std::size_t t = 0; t < 2; ++t) {
-      const double step = (pqp - qp[t]) / q[t][t];
-      p[t] += step;
-      const double norm = 1.0 + step;
-      pqp = (pqp + step * (step * q[t][t] + 2.0 * qp[t])) / (norm * norm);
-      for (std::size_t j = 0; j < 2; ++j) {
-        qp[j] = (qp[j] + step * q[t][j]) / norm;
-        p[j] /= norm;
-      }
-    }
-  }
-  return p[0];
-}
-
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
@@ -230,7 +205,7 @@ void Svm::predict(std::span<const float> rows, std::size_t count, std::span<doub
            dimension_, gamma_, decision.data());
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const double pairwise = sigmoid(decision[lane] - rho_, prob_a_, prob_b_);
-      const double first_class = couple(std::clamp(pairwise, kSmallest, 1.0 - kSmallest));
+      const double first_class = std::clamp(pairwise, kSmallest, 1.0 - kSmallest);
       probability[first + lane] = first_label_is_object_ ? first_class : 1.0 - first_class;
     }
   }

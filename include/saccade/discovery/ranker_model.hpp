@@ -18,6 +18,9 @@ enum class FeatureSet : std::uint8_t { kPaper, kExtended };
 /// Number of values a judge of this kind gets. Without depth all that is measured in depth is left out.
 [[nodiscard]] std::size_t featureCount(FeatureSet set, bool with_depth);
 
+/// Names of the features a ranker with depth looks at, in the order of their values.
+[[nodiscard]] std::vector<std::string_view> featureNames(FeatureSet set);
+
 /// Appends the values of `candidate` for a judge of this kind to `row`.
 void appendFeatures(const Candidate& candidate, FeatureSet set, bool with_depth, std::vector<float>& row);
 
