@@ -42,10 +42,15 @@ constexpr std::array<std::string_view, kCueCount> kCueNames{"extent",
                                                             "structure",
                                                             "segments",
                                                             "colour of neighbours",
-                                                            "support"};
+                                                            "support",
+                                                            "inner contrast",
+                                                            "inner steps",
+                                                            "open outline",
+                                                            "weakest neighbour"};
 constexpr std::array kDepthFeatures{kFeatureConvexity, kFeatureDepth};
-constexpr std::array kDepthCues{kCueNearer,  kCueFarther,   kCueUnknownDepth, kCueMetricSize, kCueLength,
-                                kCueBreadth, kCueThickness, kCueHeight,       kCueStructure,  kCueSupport};
+constexpr std::array kDepthCues{kCueNearer,    kCueFarther, kCueUnknownDepth, kCueMetricSize,
+                                kCueLength,    kCueBreadth, kCueThickness,    kCueHeight,
+                                kCueStructure, kCueSupport, kCueInnerSteps};
 
 template <typename List>
 bool contains(const List& list, int value) {

@@ -45,7 +45,7 @@ class RankerModel {
   RankerModel() = default;
   RankerModel(FeatureSet set, Judge with_depth, Judge without_depth);
 
-  /// The model that is built into the library, trained on the learn part of mosd.
+  /// The model that is built into the library; src/discovery/models/README.md says how it was made.
   [[nodiscard]] static const RankerModel& builtIn(FeatureSet set);
   /// Throws IoError if the file cannot be read or holds no ranker.
   [[nodiscard]] static RankerModel load(const std::filesystem::path& path);
