@@ -33,15 +33,22 @@ void run(const Options& options) {
   const RankerTraining training = trainRanker(options.inputs, config);
   training.model.save(options.output);
 
-  std::vector<std::vector<std::string>> rows = {{"cross-validation", "recall at 5", "at 10", "at 20"}};
+  std::vector<std::vector<std::string>> rows = {{"cross-validation", "AUC", "recall at 5", "at 10", "at 20"}};
   for (const RankerTrial& trial : training.trials) {
-    rows.push_back({fmt::format("C {:g}, gamma {:g}", trial.c, trial.gamma), fixed(trial.recall_at_5, 3),
-                    fixed(trial.recall_at_10, 3), fixed(trial.recall_at_20, 3)});
+    rows.push_back({fmt::format("C {:g}, gamma {:g}", trial.c, trial.gamma), fixed(trial.auc, 4),
+                    fixed(trial.recall_at_5, 3), fixed(trial.recall_at_10, 3), fixed(trial.recall_at_20, 3)});
   }
   std::cerr << alignedTable(rows);
   std::cerr << fmt::format("chosen: C {:g}, gamma {:g}; {} examples of objects and {} of the rest from {} frames\n",
                            training.chosen.c, training.chosen.gamma, training.positives, training.negatives,
                            training.frames);
+  if (!training.ablation.empty()) {
+    std::vector<std::vector<std::string>> values = {{"without", "AUC lost", "mean recall lost"}};
+    for (const FeatureValue& value : training.ablation) {
+      values.push_back({std::string(value.name), fixed(value.auc_lost, 4), fixed(value.merit_lost, 3)});
+    }
+    std::cerr << alignedTable(values);
+  }
   std::cerr << "written: " << options.output << "\nnext: saccade evaluate --frames DIR --model " << options.output
             << "\n";
 }

@@ -12,6 +12,17 @@ namespace saccade {
 namespace {
 
 constexpr double kSmallestHu = 1e-10;
+// A neighbour counts as going on where we end if the contrast to it is less than this: weak edges of one printed thing
+// lie below, those between things mostly above.
+constexpr double kOpenContrast = 0.08;
+// The weakest neighbour is sought among those that share at least this part of the outline.
+constexpr double kNeighborShare = 0.08;
+
+// How clearly two segments part along `edge`: mean colour step, and share of depth steps in the same units.
+double edgeContrast(const SegmentEdge& edge) {
+  const double steps = edge.known > 0 ? static_cast<double>(edge.nearer + edge.farther) / edge.known : 0.0;
+  return edge.color_step / edge.length + 0.3 * steps;
+}
 
 }  // namespace
 
@@ -133,10 +144,20 @@ int CandidateMeasurer::measureOutline(const Perception& seen, const SegmentSums&
   for (const std::int32_t segment : candidate.segments) is_member_[static_cast<std::size_t>(segment)] = 1;
   int length = 0, border = 0, nearer = 0, farther = 0, unknown = 0, to_segments = 0;
   double color_step = 0.0, saliency = 0.0, color = 0.0, support = 0.0, own_structure = 0.0;
+  SegmentEdge inside;
+  int open = 0;
+  neighbors_.clear();
+  neighbor_edges_.resize(is_member_.size());
   for (const std::int32_t segment : candidate.segments) {
     own_structure += structure[static_cast<std::size_t>(segment)] * table.sums(segment).area;
     for (const SegmentEdge& edge : table.edges(segment)) {
-      if (edge.neighbor >= 0 && is_member_[static_cast<std::size_t>(edge.neighbor)] != 0) continue;
+      if (edge.neighbor >= 0 && is_member_[static_cast<std::size_t>(edge.neighbor)] != 0) {
+        inside.length += edge.length;
+        inside.known += edge.known;
+        inside.nearer += edge.nearer + edge.farther;
+        inside.color_step += edge.color_step;
+        continue;
+      }
       length += edge.length;
       if (edge.neighbor == SegmentTable::kImageBorder) {
         border += edge.length;
@@ -147,6 +168,13 @@ int CandidateMeasurer::measureOutline(const Perception& seen, const SegmentSums&
       unknown += edge.length - edge.known;
       color_step += edge.color_step;
       if (edge.neighbor < 0) continue;
+      if (edgeContrast(edge) < kOpenContrast) open += edge.length;
+      SegmentEdge& shared = neighbor_edges_[static_cast<std::size_t>(edge.neighbor)];
+      if (shared.length == 0) neighbors_.push_back(edge.neighbor);
+      shared.length += edge.length;
+      shared.known += edge.known;
+      shared.nearer += edge.nearer + edge.farther;
+      shared.color_step += edge.color_step;
       const SegmentSums& other = table.sums(edge.neighbor);
       double difference = 0.0;
       for (std::size_t c = 0; c < 3; ++c) {
@@ -169,11 +197,27 @@ int CandidateMeasurer::measureOutline(const Perception& seen, const SegmentSums&
   cues[kCueColorContrast] = static_cast<float>(color_step / inner);
   cues[kCueSupport] = static_cast<float>(support / inner);
   cues[kCueStructure] = static_cast<float>(own_structure / sums.area);
+  cues[kCueOpenOutline] = static_cast<float>(open / inner);
+  if (inside.length > 0) cues[kCueInnerContrast] = static_cast<float>(inside.color_step / inside.length);
+  if (inside.known > 0) cues[kCueInnerSteps] = static_cast<float>(1.0 * inside.nearer / inside.known);
+  cues[kCueWeakestNeighbor] = static_cast<float>(takeWeakestNeighbor(kNeighborShare * inner));
   if (to_segments > 0) {
     cues[kCueSaliencyContrast] = static_cast<float>(sums.saliency / sums.area - saliency / to_segments);
     cues[kCueColorNeighbours] = static_cast<float>(color / to_segments);
   }
   return length;
+}
+
+// The contrast to the most alike of the neighbours gathered that share at least `min_length` cracks, 1 if there is
+// none; forgets the neighbours.
+double CandidateMeasurer::takeWeakestNeighbor(double min_length) {
+  double weakest = 1.0;
+  for (const std::int32_t neighbor : neighbors_) {
+    SegmentEdge& shared = neighbor_edges_[static_cast<std::size_t>(neighbor)];
+    if (shared.length >= min_length) weakest = std::min(weakest, edgeContrast(shared));
+    shared = {};
+  }
+  return weakest;
 }
 
 void CandidateMeasurer::measureShape(const Perception& seen, const SegmentSums& sums, int perimeter,

@@ -21,9 +21,36 @@ extern const char* const kExtendedRanker;
 namespace {
 
 constexpr std::string_view kHeader = "saccade-ranker 1";
+constexpr std::array<std::string_view, kFeatureCount> kFeatureNames{
+    "Hu 1", "Hu 2", "Hu 3", "Hu 4", "Hu 5", "Hu 6", "Hu 7", "convexity", "area", "saliency", "perimeter", "depth"};
+constexpr std::array<std::string_view, kCueCount> kCueNames{"extent",
+                                                            "image border",
+                                                            "nearer",
+                                                            "farther",
+                                                            "unknown depth",
+                                                            "colour contrast",
+                                                            "saliency contrast",
+                                                            "metric size",
+                                                            "aspect",
+                                                            "box size",
+                                                            "compactness",
+                                                            "colour spread",
+                                                            "length",
+                                                            "breadth",
+                                                            "thickness",
+                                                            "height",
+                                                            "structure",
+                                                            "segments",
+                                                            "colour of neighbours",
+                                                            "support",
+                                                            "inner contrast",
+                                                            "inner steps",
+                                                            "open outline",
+                                                            "weakest neighbour"};
 constexpr std::array kDepthFeatures{kFeatureConvexity, kFeatureDepth};
-constexpr std::array kDepthCues{kCueNearer,  kCueFarther,   kCueUnknownDepth, kCueMetricSize, kCueLength,
-                                kCueBreadth, kCueThickness, kCueHeight,       kCueStructure,  kCueSupport};
+constexpr std::array kDepthCues{kCueNearer,    kCueFarther, kCueUnknownDepth, kCueMetricSize,
+                                kCueLength,    kCueBreadth, kCueThickness,    kCueHeight,
+                                kCueStructure, kCueSupport, kCueInnerSteps};
 
 template <typename List>
 bool contains(const List& list, int value) {
@@ -101,6 +128,12 @@ std::size_t featureCount(FeatureSet set, bool with_depth) {
   std::size_t count = kFeatureCount - (with_depth ? 0 : kDepthFeatures.size());
   if (set == FeatureSet::kExtended) count += kCueCount - (with_depth ? 0 : kDepthCues.size());
   return count;
+}
+
+std::vector<std::string_view> featureNames(FeatureSet set) {
+  std::vector<std::string_view> names(kFeatureNames.begin(), kFeatureNames.end());
+  if (set == FeatureSet::kExtended) names.insert(names.end(), kCueNames.begin(), kCueNames.end());
+  return names;
 }
 
 void appendFeatures(const Candidate& candidate, FeatureSet set, bool with_depth, std::vector<float>& row) {

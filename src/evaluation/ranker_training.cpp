@@ -5,81 +5,12 @@
 #include <random>
 #include <stdexcept>
 
-#include "saccade/core/depth_maps.hpp"
-#include "saccade/sources/frame_source.hpp"
+#include "labelled_pool.hpp"
 
 namespace saccade {
 namespace {
 
 constexpr double kRoundTo = 1000.0;  // scaled values are rounded to 1 / 1000 so that the model's text is short
-
-enum class Kind : std::uint8_t { kObject, kOther, kUndecided };
-
-// A frame's measured candidates with what the labels say of them. Holds no images.
-struct LabelledPool {
-  Candidates candidates;
-  std::vector<Kind> kinds;
-  std::vector<std::vector<int>> shows;  ///< of each candidate: indices of the objects its box shows
-  std::vector<int> object_ids;
-};
-
-class PoolReader {
- public:
-  explicit PoolReader(const RankerTrainingConfig& config)
-      : config_(config), perceiver_(config.discovery.perception), measurer_(config.discovery.ranking.features) {}
-
-  void read(const std::string& input, std::vector<LabelledPool>& pools) {
-    const std::unique_ptr<FrameSource> source = openSource(input);
-    DiscoveryRules rules;
-    if (source->description().ignore_from) rules.ignore_from = *source->description().ignore_from;
-    RgbdFrame frame;
-    for (ReadStatus status = source->read(frame); status != ReadStatus::kEnd; status = source->read(frame)) {
-      if (status != ReadStatus::kFrame || frame.label.empty() || frame.depth_m.empty()) continue;
-      preparation_.prepare(frame.depth_m, source->description().camera, depth_);
-      perceiver_.perceive(frame.color, &depth_, seen_);
-      pools.push_back(judge(frame.label, rules));
-    }
-  }
-
- private:
-  LabelledPool judge(const cv::Mat1w& label, const DiscoveryRules& rules) {
-    LabelledPool pool;
-    pool.candidates = proposeCandidates(seen_, config_.discovery.proposal);
-    measurer_.measure(pool.candidates, seen_);
-    const std::vector<LabelledObject> objects = labelledObjects(label, rules);
-    for (const LabelledObject& object : objects) pool.object_ids.push_back(object.id);
-    for (const Candidate& candidate : pool.candidates) {
-      const std::vector<double> overlaps = maskOverlaps(candidate, seen_, label, objects);
-      std::vector<int> shows;
-      double best = 0.0, most = 0.0;  // by the weaker and by the stronger of box and mask
-      for (std::size_t i = 0; i < objects.size(); ++i) {
-        const double box = boxIou(objects[i].box, candidate.box);
-        best = std::max(best, std::min(box, overlaps[i]));
-        most = std::max({most, box, overlaps[i]});
-        if (box > rules.min_iou) shows.push_back(static_cast<int>(i));
-      }
-      pool.shows.push_back(std::move(shows));
-      pool.kinds.push_back(best > config_.positive_iou                         ? Kind::kObject
-                           : most < config_.negative_iou && trusted(candidate) ? Kind::kOther
-                                                                               : Kind::kUndecided);
-    }
-    return pool;
-  }
-
-  [[nodiscard]] bool trusted(const Candidate& candidate) const {
-    int with_depth = 0;
-    for (const std::int32_t id : candidate.segments) with_depth += seen_.table(candidate.source).sums(id).depth_count;
-    return with_depth >= config_.min_negative_depth * candidate.area &&
-           static_cast<double>(candidate.cues[kCueUnknownDepth]) <= 1.0 - config_.min_negative_depth;
-  }
-
-  const RankerTrainingConfig& config_;
-  Perceiver perceiver_;
-  CandidateMeasurer measurer_;
-  DepthPreparation preparation_;
-  DepthMaps depth_;
-  Perception seen_;
-};
 
 struct Example {
   const Candidate* candidate = nullptr;
@@ -143,16 +74,19 @@ RankerModel trainModel(const std::vector<Example>& examples, FeatureSet set, con
   return {set, std::move(with_depth), trainJudge(examples, set, false, svm_config)};
 }
 
-// Matches of a held-out frame: its candidates ranked by `model`, without the merging of duplicates, which needs masks.
-FrameMatches rankHeldOut(const LabelledPool& pool, const RankerModel& model, const RankingConfig& ranking) {
-  // The list of segments is not needed any more: it remembers which candidate this was.
-  Candidates ranked;
+// The pool's candidates with their number in place of their segments, which are not needed any more.
+Candidates lightCopies(const LabelledPool& pool) {
+  Candidates copies;
   for (std::size_t i = 0; i < pool.candidates.size(); ++i) {
-    Candidate light = pool.candidates[i];
-    light.segments.assign(1, static_cast<std::int32_t>(i));
-    ranked.push_back(std::move(light));
+    Candidate copy = pool.candidates[i];
+    copy.segments.assign(1, static_cast<std::int32_t>(i));
+    copies.push_back(std::move(copy));
   }
-  model.score(ranked);
+  return copies;
+}
+
+// Matches of a held-out frame's scored light copies, without the merging of duplicates, which needs masks.
+FrameMatches rankHeldOut(const LabelledPool& pool, Candidates ranked, const RankingConfig& ranking) {
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   if (!ranking.paper && ranking.suppress) suppressOverlapping(ranked, ranking);
@@ -168,32 +102,84 @@ FrameMatches rankHeldOut(const LabelledPool& pool, const RankerModel& model, con
   return matches;
 }
 
-RankerTrial crossValidate(const std::vector<LabelledPool>& pools, const std::vector<Example>& examples, FeatureSet set,
-                          const RankerTrainingConfig& config, const SvmTrainingConfig& svm_config) {
-  std::vector<int> frames;
-  for (std::size_t i = 0; i < pools.size(); ++i) frames.push_back(static_cast<int>(i));
-  const std::vector<int> folds = foldOfExamples(frames, config.folds);
+// Area under the ROC curve: how often a candidate that shows an object has a higher score than one that does not.
+class RocArea {
+ public:
+  void add(const LabelledPool& pool, const Candidates& scored) {
+    for (std::size_t i = 0; i < scored.size(); ++i) {
+      if (pool.kinds[i] != Kind::kUndecided) scores_.emplace_back(scored[i].score, pool.kinds[i] == Kind::kObject);
+    }
+  }
+  // By the sum of ranks (Mann & Whitney); equal scores share their ranks.
+  [[nodiscard]] double value() {
+    std::sort(scores_.begin(), scores_.end());
+    double rank_sum = 0.0, objects = 0.0;
+    for (std::size_t begin = 0, end = 0; begin < scores_.size(); begin = end) {
+      while (end < scores_.size() && scores_[end].first == scores_[begin].first) ++end;
+      const double rank = 0.5 * static_cast<double>(begin + 1 + end);
+      for (std::size_t i = begin; i < end; ++i) {
+        if (!scores_[i].second) continue;
+        rank_sum += rank;
+        objects += 1.0;
+      }
+    }
+    const double others = static_cast<double>(scores_.size()) - objects;
+    return objects > 0.0 && others > 0.0 ? (rank_sum - objects * (objects + 1.0) / 2.0) / (objects * others) : 0.0;
+  }
+
+ private:
+  std::vector<std::pair<double, bool>> scores_;
+};
+
+RankerTrial crossValidate(const std::vector<LabelledPool>& pools, FeatureSet set, const RankerTrainingConfig& config,
+                          const SvmTrainingConfig& svm_config) {
+  const std::vector<Example> examples = chooseExamples(pools, config);
   DiscoveryScore score;
+  RocArea roc;
   for (int fold = 0; fold < config.folds; ++fold) {
     std::vector<Example> rest;
     for (const Example& example : examples) {
-      if (folds[static_cast<std::size_t>(example.group)] != fold) rest.push_back(example);
+      if (pools[static_cast<std::size_t>(example.group)].fold != fold) rest.push_back(example);
     }
     const RankerModel model = trainModel(rest, set, svm_config);
-    for (std::size_t i = 0; i < pools.size(); ++i) {
-      if (folds[i] == fold) score.add(rankHeldOut(pools[i], model, config.discovery.ranking));
+    for (const LabelledPool& pool : pools) {
+      if (pool.fold != fold) continue;
+      Candidates scored = lightCopies(pool);
+      model.score(scored);
+      roc.add(pool, scored);
+      score.add(rankHeldOut(pool, std::move(scored), config.discovery.ranking));
     }
   }
-  return {svm_config.c, svm_config.gamma, score.recall(5), score.recall(10), score.recall(20)};
+  return {svm_config.c, svm_config.gamma, roc.value(), score.recall(5), score.recall(10), score.recall(20)};
+}
+
+// A feature that is the same everywhere tells nothing: that is how it is taken away.
+std::vector<LabelledPool> withoutFeature(std::vector<LabelledPool> pools, std::size_t feature) {
+  for (LabelledPool& pool : pools) {
+    for (Candidate& candidate : pool.candidates) {
+      (feature < kFeatureCount ? candidate.features[feature] : candidate.cues[feature - kFeatureCount]) = 0.0F;
+    }
+  }
+  return pools;
+}
+
+std::vector<FeatureValue> ablate(const std::vector<LabelledPool>& pools, FeatureSet set,
+                                 const RankerTrainingConfig& config, const SvmTrainingConfig& svm_config,
+                                 const RankerTrial& whole) {
+  std::vector<FeatureValue> values;
+  const std::vector<std::string_view> names = featureNames(set);
+  for (std::size_t feature = 0; feature < names.size(); ++feature) {
+    const RankerTrial trial = crossValidate(withoutFeature(pools, feature), set, config, svm_config);
+    values.push_back({names[feature], whole.auc - trial.auc, whole.merit() - trial.merit()});
+  }
+  return values;
 }
 
 }  // namespace
 
 RankerTraining trainRanker(const std::vector<std::string>& inputs, const RankerTrainingConfig& config) {
   requireValid(config);
-  std::vector<LabelledPool> pools;
-  PoolReader reader(config);
-  for (const std::string& input : inputs) reader.read(input, pools);
+  const std::vector<LabelledPool> pools = readLabelledPools(inputs, config);
   const std::vector<Example> examples = chooseExamples(pools, config);
 
   RankerTraining result;
@@ -212,7 +198,7 @@ RankerTraining trainRanker(const std::vector<std::string>& inputs, const RankerT
     for (const double gamma : config.gamma_values) {
       svm.c = c;
       svm.gamma = gamma;
-      result.trials.push_back(crossValidate(pools, examples, set, config, svm));
+      result.trials.push_back(crossValidate(pools, set, config, svm));
       if (result.trials.size() == 1 || result.trials.back().merit() > result.chosen.merit()) {
         result.chosen = result.trials.back();
       }
@@ -220,6 +206,7 @@ RankerTraining trainRanker(const std::vector<std::string>& inputs, const RankerT
   }
   svm.c = result.chosen.c;
   svm.gamma = result.chosen.gamma;
+  if (config.ablation) result.ablation = ablate(pools, set, config, svm, result.chosen);
   result.model = trainModel(examples, set, svm);
   return result;
 }

@@ -44,6 +44,10 @@ enum CandidateCue : int {
   kCueSegments,          ///< ln(number of segments)
   kCueColorNeighbours,   ///< mean difference of mean colours to the neighbours, weighted by shared outline, 0..1
   kCueSupport,           ///< share of the outline behind which lies a large plane
+  kCueInnerContrast,     ///< mean colour step across the cracks between its own segments, 0..1
+  kCueInnerSteps,        ///< share of those cracks (where depth is known) that are depth steps: several things at once
+  kCueOpenOutline,       ///< share of the outline to neighbours that differ in neither colour nor depth: a part of more
+  kCueWeakestNeighbor,   ///< contrast to the most alike neighbour of some length, see candidate_features.cpp
   kCueCount,
 };
 

@@ -36,6 +36,7 @@ class CandidateMeasurer {
   void measureOne(Candidate& candidate, const Perception& seen);
   [[nodiscard]] double convexity(const Candidate& candidate, const SegmentTable& table);
   int measureOutline(const Perception& seen, const SegmentSums& sums, Candidate& candidate);
+  [[nodiscard]] double takeWeakestNeighbor(double min_length);
   void measureShape(const Perception& seen, const SegmentSums& sums, int perimeter, Candidate& candidate) const;
 
   FeatureConfig config_;
@@ -44,6 +45,8 @@ class CandidateMeasurer {
   std::vector<Eigen::Vector3f> hull_points_, points_;
   std::vector<float> weights_;
   std::vector<std::uint8_t> is_member_;
+  std::vector<std::int32_t> neighbors_;                      ///< of the candidate being measured
+  std::vector<SegmentEdge> neighbor_edges_;                  ///< what it shares with each; all empty between candidates
   std::vector<double> color_structure_, surface_structure_;  ///< of each segment: share that lies on a large plane
 };
 

@@ -25,6 +25,8 @@ struct DiscoveryConfig {
   /// Switches off everything in this stage that goes beyond the paper.
   void usePaperOnly() {
     perception.max_maxima = 0;
+    perception.color = {};
+    perception.surface = {};
     proposal.paper = true;
     ranking.paper = true;
   }

@@ -14,10 +14,22 @@ namespace saccade {
 struct PerceptionConfig {
   SaliencyConfig saliency;
   BlobConfig blobs;
-  ColorSegmentsConfig color;
-  SurfaceSegmentsConfig surface;
+  ColorSegmentsConfig color = fineColor();
+  SurfaceSegmentsConfig surface = fineSurface();
   SupportPlaneConfig planes;
   int max_maxima = 64;
+
+  /// Finer than the paper's segments: small things get segments of their own, and merging finds the large ones.
+  static ColorSegmentsConfig fineColor() {
+    ColorSegmentsConfig color;
+    color.k = 100.0;
+    return color;
+  }
+  static SurfaceSegmentsConfig fineSurface() {
+    SurfaceSegmentsConfig surface;
+    surface.min_size = 60;
+    return surface;
+  }
 
   void describe(ConfigVisitor& v) {
     v.section("saliency", saliency, "saliency map");

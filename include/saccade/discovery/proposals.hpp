@@ -16,7 +16,8 @@ struct ProposalConfig {
   bool plane_removal = true;
   bool cross_selection = true;
   double cross_share = 0.5;
-  int min_area = 200;
+  bool distinct_boxes = true;
+  int min_area = 100;
   double max_area_share = 0.35;
 
   void describe(ConfigVisitor& v) {
@@ -28,14 +29,16 @@ struct ProposalConfig {
     v.flag("plane_removal", plane_removal, "what is connected once the supporting planes are taken away is too");
     v.flag("cross_selection", cross_selection, "depth candidates select colour segments too");
     v.number("cross_share", cross_share, {0.0, 1.0}, "", "share of a colour segment a depth candidate must cover");
+    v.flag("distinct_boxes", distinct_boxes, "of candidates of nearly one box and area only the first met is kept");
     v.integer("min_area", min_area, {1, 1000000}, "px", "smaller candidates are left out");
     v.number("max_area_share", max_area_share, {0.0, 1.0}, "", "candidates over this share of the image are left out");
   }
 };
 
 /// Returns the pool of object candidates of both segmentations (paper, "Saliency-based object discovery"), colour
-/// before depth, each with segments, box and area; features and score are not set. No two have the same segments,
-/// except in paper mode, where each blob that selects anything adds its own.
+/// before depth, each with segments, box and area; features and score are not set. No two have the same segments, nor,
+/// with `distinct_boxes`, nearly the same box and area: whatever the source, they would be measured, ranked and left
+/// out as duplicates. In paper mode each blob that selects anything adds its own.
 ///
 /// Deterministic: the order follows that of blobs and segments. A few milliseconds for 640×480.
 [[nodiscard]] Candidates proposeCandidates(const Perception& seen, const ProposalConfig& config = {});

@@ -14,8 +14,8 @@ struct RankingConfig {
   int max_open = 255;
   double duplicate_iou = 0.9;
   bool suppress = true;
-  double suppress_from = 0.4;
-  double suppress_power = 2.0;
+  double suppress_from = 0.3;
+  double suppress_power = 3.0;
   FeatureConfig features;
 
   void describe(ConfigVisitor& v) {

@@ -18,6 +18,9 @@ enum class FeatureSet : std::uint8_t { kPaper, kExtended };
 /// Number of values a judge of this kind gets. Without depth all that is measured in depth is left out.
 [[nodiscard]] std::size_t featureCount(FeatureSet set, bool with_depth);
 
+/// Names of the features a ranker with depth looks at, in the order of their values.
+[[nodiscard]] std::vector<std::string_view> featureNames(FeatureSet set);
+
 /// Appends the values of `candidate` for a judge of this kind to `row`.
 void appendFeatures(const Candidate& candidate, FeatureSet set, bool with_depth, std::vector<float>& row);
 
@@ -42,7 +45,7 @@ class RankerModel {
   RankerModel() = default;
   RankerModel(FeatureSet set, Judge with_depth, Judge without_depth);
 
-  /// The model that is built into the library, trained on the learn part of mosd.
+  /// The model that is built into the library; src/discovery/models/README.md says how it was made.
   [[nodiscard]] static const RankerModel& builtIn(FeatureSet set);
   /// Throws IoError if the file cannot be read or holds no ranker.
   [[nodiscard]] static RankerModel load(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "saccade/discovery/discovery_config.hpp"
@@ -17,9 +18,10 @@ struct RankerTrainingConfig {
   double min_negative_depth = 0.5;
   int positives_per_frame = 24;
   int negatives_per_frame = 48;
-  int folds = 5;
+  int folds = 2;
   std::vector<double> c_values = {1.0, 4.0, 16.0};
   std::vector<double> gamma_values = {0.01, 0.03, 0.1};
+  bool ablation = false;
   int max_vectors = 600;
   int seed = 1;
 
@@ -31,27 +33,38 @@ struct RankerTrainingConfig {
              "share of a negative's mask and of its outline that must have depth");
     v.integer("positives_per_frame", positives_per_frame, {1, 100000}, "", "examples of objects from one frame");
     v.integer("negatives_per_frame", negatives_per_frame, {1, 100000}, "", "examples of the rest from one frame");
-    v.integer("folds", folds, {2, 100}, "", "cross-validation: parts, by frame");
+    v.integer("folds", folds, {2, 100}, "", "cross-validation: parts of consecutive frames of each input");
     v.numbers("c", c_values, {1e-6, 1e6}, "", "values of the SVM's C that are tried");
     v.numbers("gamma", gamma_values, {1e-6, 1e6}, "", "widths of the RBF kernel that are tried");
+    v.flag("ablation", ablation, "cross-validate without each feature in turn too, to tell what each is worth");
     v.integer("max_vectors", max_vectors, {10, 100000}, "", "support vectors of each of the two SVMs, at most");
     v.integer("seed", seed, {0, 1000000000}, "", "chooses the examples");
   }
 };
 
-/// What cross-validation said of one pair of parameters: recall on held-out frames by boxes.
+/// What cross-validation said of one pair of parameters, on held-out frames: area under the ROC curve of single
+/// candidates, and recall of the ranked lists by boxes.
 struct RankerTrial {
   double c = 0.0, gamma = 0.0;
+  double auc = 0.0;
   double recall_at_5 = 0.0, recall_at_10 = 0.0, recall_at_20 = 0.0;
 
   /// What is maximised. Recall at 20 alone saturates on scenes of few objects, so the first ranks count too.
   [[nodiscard]] double merit() const { return (recall_at_5 + recall_at_10 + 2.0 * recall_at_20) / 4.0; }
 };
 
+/// What cross-validation loses without one feature.
+struct FeatureValue {
+  std::string_view name;
+  double auc_lost = 0.0;
+  double merit_lost = 0.0;  ///< of RankerTrial::merit()
+};
+
 struct RankerTraining {
   RankerModel model;
   std::vector<RankerTrial> trials;
   RankerTrial chosen;
+  std::vector<FeatureValue> ablation;  ///< with the chosen parameters; empty unless asked for
   int frames = 0;
   int positives = 0, negatives = 0;  ///< examples used
 };

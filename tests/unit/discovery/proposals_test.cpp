@@ -1,0 +1,87 @@
+#include "saccade/discovery/proposals.hpp"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "saccade/discovery/ranker.hpp"
+#include "support/random_scene.hpp"
+
+namespace saccade {
+namespace {
+
+ProposalConfig anyArea() {
+  ProposalConfig config;
+  config.min_area = 1;
+  config.max_area_share = 1.0;
+  return config;
+}
+
+Candidates propose(bool distinct_boxes) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  ProposalConfig config = anyArea();
+  config.distinct_boxes = distinct_boxes;
+  return proposeCandidates(scene.seen, config);
+}
+
+TEST(Proposals, HaveTheBoxAndAreaOfTheirSegments) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  const Candidates pool = proposeCandidates(scene.seen, anyArea());
+  ASSERT_FALSE(pool.empty());
+  for (const Candidate& candidate : pool) {
+    SegmentSums sums;
+    for (const std::int32_t id : candidate.segments) sums += scene.seen.table(candidate.source).sums(id);
+    EXPECT_EQ(candidate.area, sums.area);
+    EXPECT_EQ(candidate.box, sums.box());
+    EXPECT_TRUE(std::is_sorted(candidate.segments.begin(), candidate.segments.end()));
+  }
+}
+
+TEST(Proposals, AreNeverTwiceTheSameSegments) {
+  for (const bool distinct_boxes : {false, true}) {
+    std::set<std::pair<CandidateSource, std::vector<std::int32_t>>> met;
+    for (const Candidate& candidate : propose(distinct_boxes)) {
+      EXPECT_TRUE(met.insert({candidate.source, candidate.segments}).second);
+    }
+  }
+}
+
+TEST(Proposals, OfDistinctBoxesStandForAllThatAreLeftOut) {
+  // A cell is at most 1/16 of a side wide and the areas in it differ by at most 15 %.
+  constexpr double kSmallestBoxOverlap = 0.75, kLargestAreaRatio = 1.16;
+  const Candidates all = propose(false), distinct = propose(true);
+  EXPECT_LT(distinct.size(), all.size());
+  for (const Candidate& candidate : all) {
+    EXPECT_TRUE(std::any_of(distinct.begin(), distinct.end(), [&](const Candidate& kept) {
+      const double ratio = static_cast<double>(kept.area) / candidate.area;
+      return boxIou(kept.box, candidate.box) > kSmallestBoxOverlap && ratio < kLargestAreaRatio &&
+             ratio > 1.0 / kLargestAreaRatio;
+    })) << candidate.box;
+  }
+}
+
+TEST(Proposals, OfThePaperComeFromBlobsAlone) {
+  test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  scene.seen.blobs.clear();
+  ProposalConfig config = anyArea();
+  config.paper = true;
+  EXPECT_TRUE(proposeCandidates(scene.seen, config).empty());
+}
+
+TEST(Suppression, LetsADistantThingPassASecondViewOfTheBest) {
+  Candidates sorted(3);
+  sorted[0].box = {0, 0, 40, 40};
+  sorted[0].score = 0.9;
+  sorted[1].box = {2, 2, 40, 40};
+  sorted[1].score = 0.8;
+  sorted[2].box = {200, 100, 30, 30};
+  sorted[2].score = 0.5;
+  suppressOverlapping(sorted, {});
+  ASSERT_EQ(sorted.size(), 3U);
+  EXPECT_EQ(sorted[1].box.x, 200);
+  EXPECT_EQ(sorted[1].score, 0.5);
+  EXPECT_LT(sorted[2].score, 0.8);
+}
+
+}  // namespace
+}  // namespace saccade

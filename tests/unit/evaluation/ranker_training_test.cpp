@@ -1,0 +1,41 @@
+#include "saccade/evaluation/ranker_training.hpp"
+
+#include <gtest/gtest.h>
+
+namespace saccade {
+namespace {
+
+RankerTrainingConfig quickTraining() {
+  RankerTrainingConfig config;
+  config.discovery.usePaperOnly();  // the pool of blobs alone is small
+  config.discovery.perception.max_maxima = 24;
+  config.c_values = {1.0};
+  config.gamma_values = {0.05};
+  config.max_vectors = 60;
+  return config;
+}
+
+const std::vector<std::string> kDesks{"sim:desk?seed=1&frames=2", "sim:desk?seed=2&frames=2"};
+
+TEST(RankerTraining, LearnsToTellObjectsOnHeldOutFramesAndIsDeterministic) {
+  const RankerTraining training = trainRanker(kDesks, quickTraining());
+  EXPECT_EQ(training.frames, 4);
+  ASSERT_EQ(training.trials.size(), 1U);
+  EXPECT_GT(training.chosen.auc, 0.7);  // 0.5 is chance
+  EXPECT_LE(training.chosen.auc, 1.0);
+  EXPECT_TRUE(training.ablation.empty());
+  EXPECT_EQ(trainRanker(kDesks, quickTraining()).model.text(), training.model.text());
+}
+
+TEST(RankerTraining, SaysWhatEachFeatureIsWorthIfAsked) {
+  RankerTrainingConfig config = quickTraining();
+  config.ablation = true;
+  const RankerTraining training = trainRanker(kDesks, config);
+  ASSERT_EQ(training.ablation.size(), static_cast<std::size_t>(kFeatureCount));
+  EXPECT_EQ(training.ablation[kFeatureArea].name, "area");
+  EXPECT_TRUE(std::any_of(training.ablation.begin(), training.ablation.end(),
+                          [](const FeatureValue& value) { return value.auc_lost != 0.0; }));
+}
+
+}  // namespace
+}  // namespace saccade
