@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "map/surface_volume_scratch.hpp"
 #include "saccade/core/multiversion.hpp"
@@ -20,14 +21,10 @@ struct Projection {
   float weight_cap;   // in 1 / kWeightScale observations
 };
 
-// What fuseBrick found, as bits.
-constexpr int kNegative = 1;  // a known sample is negative
-constexpr int kObserved = 2;  // a sample was observed
-
-// Updates the brick whose first sample lies at `first` in the camera frame.
+// Updates the brick whose first sample lies at `first` in the camera frame; returns whether a sample was observed.
 SACCADE_MULTIVERSION
-int fuseBrick(const Projection& p, const float* first, const float* x_offsets, const float* y_offsets,
-              const float* z_offsets, std::int16_t* distances, std::uint16_t* weights) {
+bool fuseBrick(const Projection& p, const float* first, const float* x_offsets, const float* y_offsets,
+               const float* z_offsets, std::int16_t* distances, std::uint16_t* weights) {
   const float x0 = first[0];
   const float y0 = first[1];
   const float z0 = first[2];
@@ -38,7 +35,6 @@ int fuseBrick(const Projection& p, const float* first, const float* x_offsets, c
   const float fx = p.fx, fy = p.fy, cx = p.cx + 0.5F, cy = p.cy + 0.5F;
   const float per_band = 1.0F / p.band;
   const float near_square = p.near_square, weight_cap = p.weight_cap;
-  int negative = 0;
   int observed = 0;
   for (int i = 0; i < kSamples; ++i) {
     const float x = x0 + x_offsets[i];
@@ -63,12 +59,11 @@ int fuseBrick(const Projection& p, const float* first, const float* x_offsets, c
     const float moved = seen ? old + (target - old) * (added / sum) : old;
     const int rounded = static_cast<int>(moved + 32768.5F) - 32768;
     const int weight = static_cast<int>(std::min(sum, std::max(weight_cap, old_weight)) + 0.5F);
-    distances[i] = static_cast<std::int16_t>(rounded);
+    distances[i] = static_cast<std::int16_t>(weight > 0 ? rounded : SurfaceBrick::kUnknownDistance);
     weights[i] = static_cast<std::uint16_t>(weight);
-    negative |= static_cast<int>((rounded < 0) & (weight > 0));
     observed |= static_cast<int>(seen);
   }
-  return negative * kNegative + observed * kObserved;
+  return observed != 0;
 }
 
 // Largest depth of each tile of the image, 0 where nothing is measured.
@@ -116,6 +111,26 @@ bool reaches(const std::vector<float>& farthest, const PinholeCamera& camera, co
 }
 
 }  // namespace
+
+std::uint64_t blocksBehind(const SurfaceBrick& brick, double band_samples) {
+  // Both signs meet at a surface, where distances change by one sample a sample: two are enough for any diagonal.
+  const auto deepest =
+      static_cast<std::int16_t>(-SurfaceBrick::kDistanceScale * static_cast<float>(2.0 / band_samples));
+  using Row = std::int16_t __attribute__((vector_size(16)));
+  std::uint64_t blocks = 0;
+  for (unsigned row = 0; row < 16; ++row) {  // of blocks: y from 0 to 3 in each of four z
+    const std::int16_t* first = &brick.distance[(row & 3U) * 2 * kSide + (row >> 2U) * 2 * kSide * kSide];
+    Row behind = {};
+    for (const int line : {0, kSide, kSide * kSide, kSide * kSide + kSide}) {
+      Row samples;
+      std::memcpy(&samples, first + line, sizeof samples);
+      behind |= (samples < 0) & (samples > deepest);
+    }
+    const auto pairs = reinterpret_cast<std::int32_t __attribute__((vector_size(16)))>(behind);
+    for (unsigned x = 0; x < 4; ++x) blocks |= std::uint64_t{pairs[x] != 0} << (4 * row + x);
+  }
+  return blocks;
+}
 
 void SurfaceVolume::allocateBand(const DepthMaps& depth, const Pose& T_WC) {
   const PinholeCamera& camera = depth.camera;
@@ -181,11 +196,12 @@ void SurfaceVolume::integrate(const DepthMaps& depth, const Pose& T_WC) {
     if (!reaches(scratch_->farthest, camera, centre, radius, centre.z() - radius - band)) continue;
     const auto index = static_cast<std::size_t>(scratch_->visible[i]);
     const Eigen::Vector3f first = centre + to_first;
-    const int found =
+    const bool observed =
         fuseBrick(projection, first.data(), scratch_->offsets[0].data(), scratch_->offsets[1].data(),
                   scratch_->offsets[2].data(), bricks_[index]->distance.data(), bricks_[index]->weight.data());
-    behind_[index] = (found & kNegative) != 0 ? 1 : 0;
-    if ((found & kObserved) != 0) last_change_[index] = changes_;
+    if (!observed) continue;
+    behind_[index] = blocksBehind(*bricks_[index], config_.band_cells);
+    last_change_[index] = changes_;
   }
 }
 

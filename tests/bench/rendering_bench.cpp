@@ -24,8 +24,7 @@ void iorView(benchmark::State& state) {
   std::size_t i = 0;
   const auto& frames = preparedFrames();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        &renderer.renderIor(map.view(), kitchenFrames().camera, frames[i++ % frames.size()].T_WC));
+    benchmark::DoNotOptimize(&renderer.renderIor(map.view(), kitchenFrames().camera, frames[i++ % frames.size()].T_WC));
   }
 }
 BENCHMARK(iorView)->Unit(benchmark::kMillisecond);

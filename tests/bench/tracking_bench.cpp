@@ -44,8 +44,8 @@ void trackByOpenCv(benchmark::State& state) {
     const std::size_t before = i++ % (gray.size() - 1);
     const cv::Mat before_m = kitchen.frames[before].depth_m, now_m = kitchen.frames[before + 1].depth_m;
     cv::Mat moved;
-    const bool found = odometry->compute(gray[before], before_m, before_m > 0.0, gray[before + 1], now_m, now_m > 0.0,
-                                         moved);
+    const bool found =
+        odometry->compute(gray[before], before_m, before_m > 0.0, gray[before + 1], now_m, now_m > 0.0, moved);
     tracked += found ? 1.0 : 0.0;
   }
   state.counters["tracked"] = benchmark::Counter(tracked, benchmark::Counter::kAvgIterations);
