@@ -154,7 +154,7 @@ void marchEight(const BrickGrid& grid, const RayRow& rays, int u, const float* n
     const FloatLanes stride =
         samples_away < kClose_samples ? samples_away + kBeyond_samples : samples_away * kShortfall;
     const FloatLanes secant = before + (z - before) * f_before / (f_before - here.distance);
-    FloatLanes next = z + (positive ? stride : allLanes(1.0F)) * sample;
+    FloatLanes next = z + (positive ? stride : here.known ? allLanes(1.0F) : allLanes(kBlind_samples)) * sample;
     if (any(open & nothing_near)) {  // on to where the ray leaves the brick
       FloatLanes exit = allLanes(1e9F);
       for (std::size_t axis = 0; axis < 3; ++axis) {
