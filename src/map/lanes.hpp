@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -47,6 +48,13 @@ SACCADE_INLINE IntLanes truncated(const FloatLanes& a) {
 }
 SACCADE_INLINE FloatLanes toFloat(const IntLanes& a) {
   return __builtin_convertvector(a, FloatLanes);
+}
+/// Replaces each lane by its square root.
+SACCADE_INLINE void squareRoots(FloatLanes& lanes) {
+  alignas(32) float values[kLanes];
+  storeLanes(lanes, values);
+  for (float& value : values) value = std::sqrt(value);
+  lanes = loadLanes(values);
 }
 /// Whether a lane of a comparison holds.
 SACCADE_INLINE bool any(const IntLanes& mask) {

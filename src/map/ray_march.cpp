@@ -1,6 +1,5 @@
 #include "map/ray_march.hpp"
 
-#include <cmath>
 #include <cstddef>
 
 #include "map/lanes.hpp"
@@ -84,13 +83,6 @@ SACCADE_INLINE void interpolate(const Corners& corners, const FloatLanes& fx, co
   out.gradient[1] = (near_y + fz * (far_y - near_y)) * kPerUnit;
   out.gradient[2] = (far - near) * kPerUnit;
   out.known = lowest > static_cast<float>(SurfaceBrick::kUnknownDistance);
-}
-
-SACCADE_INLINE void squareRoots(FloatLanes& lanes) {
-  alignas(32) float values[kLanes];
-  storeLanes(lanes, values);
-  for (float& value : values) value = std::sqrt(value);
-  lanes = loadLanes(values);
 }
 
 }  // namespace

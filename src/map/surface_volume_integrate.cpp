@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "map/lanes.hpp"
 #include "map/surface_volume_scratch.hpp"
 #include "saccade/core/multiversion.hpp"
 #include "saccade/map/surface_volume.hpp"
@@ -11,6 +12,10 @@ namespace {
 
 constexpr int kSide = SurfaceBrick::kSide;
 constexpr int kSamples = SurfaceBrick::kSamples;
+
+// Eight samples as a brick stores them.
+using Distances = std::int16_t __attribute__((vector_size(16)));
+using Weights = std::uint16_t __attribute__((vector_size(16)));
 
 struct Projection {
   const float* depth;
@@ -28,42 +33,52 @@ bool fuseBrick(const Projection& p, const float* first, const float* x_offsets, 
   const float x0 = first[0];
   const float y0 = first[1];
   const float z0 = first[2];
-  const float* depth = p.depth;
-  const int width = p.width;
-  const float u_end = static_cast<float>(p.width);
-  const float v_end = static_cast<float>(p.height);
-  const float fx = p.fx, fy = p.fy, cx = p.cx + 0.5F, cy = p.cy + 0.5F;
+  const float cx = p.cx + 0.5F, cy = p.cy + 0.5F;
+  const auto u_end = static_cast<float>(p.width), v_end = static_cast<float>(p.height);
   const float per_band = 1.0F / p.band;
-  const float near_square = p.near_square, weight_cap = p.weight_cap;
-  int observed = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const float x = x0 + x_offsets[i];
-    const float y = y0 + y_offsets[i];
-    const float z = z0 + z_offsets[i];
-    const float per_z = 1.0F / z;
-    const float u = fx * x * per_z + cx;
-    const float v = fy * y * per_z + cy;
-    const bool inside = (z > 0.01F) & (u >= 0.0F) & (v >= 0.0F) & (u < u_end) & (v < v_end);
-    const int pixel = inside ? static_cast<int>(v) * width + static_cast<int>(u) : 0;
-    const float measured = inside ? depth[pixel] : 0.0F;
+  const FloatLanes zero = {};
+  IntLanes observed = {};
+  for (std::size_t i = 0; i < kSamples; i += kLanes) {
+    const FloatLanes x = x0 + loadLanes(x_offsets + i);
+    const FloatLanes y = y0 + loadLanes(y_offsets + i);
+    const FloatLanes z = z0 + loadLanes(z_offsets + i);
+    const FloatLanes per_z = 1.0F / z;
+    const FloatLanes u = p.fx * x * per_z + cx;
+    const FloatLanes v = p.fy * y * per_z + cy;
+    const IntLanes inside = (z > 0.01F) & (u >= zero) & (v >= zero) & (u < u_end) & (v < v_end);
+    if (!any(inside)) continue;
+    const IntLanes pixel = truncated(inside ? v : zero) * p.width + truncated(inside ? u : zero);
+    FloatLanes measured = {};
+    for (std::size_t lane = 0; lane < kLanes; ++lane) measured[lane] = p.depth[pixel[lane]];
     // Along the ray: the difference of the depths times the length of the ray at depth 1.
-    const float stretch = std::sqrt(x * x + y * y + z * z) * per_z;
-    const float raw = (measured - z) * stretch * per_band;
-    const bool seen = (measured > 0.0F) & (raw > -1.0F);
-    const float target = std::min(raw, 1.0F) * SurfaceBrick::kDistanceScale;
-    const float share = std::min(1.0F, near_square / (measured * measured));
-    const float added = seen ? share * SurfaceBrick::kWeightScale : 0.0F;
-    const auto old_weight = static_cast<float>(weights[i]);
-    const auto old = static_cast<float>(distances[i]);
-    const float sum = old_weight + added;
-    const float moved = seen ? old + (target - old) * (added / sum) : old;
-    const int rounded = static_cast<int>(moved + 32768.5F) - 32768;
-    const int weight = static_cast<int>(std::min(sum, std::max(weight_cap, old_weight)) + 0.5F);
-    distances[i] = static_cast<std::int16_t>(weight > 0 ? rounded : SurfaceBrick::kUnknownDistance);
-    weights[i] = static_cast<std::uint16_t>(weight);
-    observed |= static_cast<int>(seen);
+    FloatLanes length = x * x + y * y + z * z;
+    squareRoots(length);
+    const FloatLanes raw = (measured - z) * length * per_z * per_band;
+    const IntLanes seen = inside & (measured > zero) & (raw > -1.0F);
+    if (!any(seen)) continue;
+    observed |= seen;
+
+    const FloatLanes target = least(raw, allLanes(1.0F)) * SurfaceBrick::kDistanceScale;
+    const FloatLanes share = least(allLanes(1.0F), p.near_square / (measured * measured));
+    Distances stored_distance;
+    Weights stored_weight;
+    std::memcpy(&stored_distance, distances + i, sizeof stored_distance);
+    std::memcpy(&stored_weight, weights + i, sizeof stored_weight);
+    const IntLanes old_distance = __builtin_convertvector(stored_distance, IntLanes);
+    const IntLanes old_weight = __builtin_convertvector(stored_weight, IntLanes);
+    const FloatLanes old = toFloat(old_distance), before = toFloat(old_weight);
+    const FloatLanes added = share * SurfaceBrick::kWeightScale;
+    const FloatLanes sum = before + added;
+    const FloatLanes moved = old + (target - old) * (added / sum);
+    const IntLanes rounded = truncated(moved + 32768.5F) - 32768;
+    const IntLanes weight = truncated(least(sum, most(allLanes(p.weight_cap), before)) + 0.5F);
+    const IntLanes kept = weight > 0 ? rounded : IntLanes{} + SurfaceBrick::kUnknownDistance;
+    stored_distance = __builtin_convertvector(seen ? kept : old_distance, Distances);
+    stored_weight = __builtin_convertvector(seen ? weight : old_weight, Weights);
+    std::memcpy(distances + i, &stored_distance, sizeof stored_distance);
+    std::memcpy(weights + i, &stored_weight, sizeof stored_weight);
   }
-  return observed != 0;
+  return any(observed);
 }
 
 // Largest depth of each tile of the image, 0 where nothing is measured.
