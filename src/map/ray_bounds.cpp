@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "map/lanes.hpp"
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {

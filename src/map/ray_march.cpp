@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "map/lanes.hpp"
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 #include "saccade/map/surface_volume.hpp"
 

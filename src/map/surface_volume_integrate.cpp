@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "map/lanes.hpp"
+#include "core/lanes.hpp"
 #include "map/surface_volume_scratch.hpp"
 #include "saccade/core/multiversion.hpp"
 #include "saccade/map/surface_volume.hpp"

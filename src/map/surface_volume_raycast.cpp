@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "map/lanes.hpp"
+#include "core/lanes.hpp"
 #include "map/ray_march.hpp"
 #include "map/surface_volume_scratch.hpp"
 #include "saccade/map/surface_volume.hpp"
