@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
@@ -12,6 +14,7 @@ namespace {
 
 // Zeros around the inverse depth image: the largest radius of a window, so that no loop needs to ask for the border.
 constexpr int kMargin = 8;
+static_assert(kMargin >= kLanes);  // rows are read a little beyond their ends
 // Surfaces seen at a flatter angle than this give slopes that are mostly noise.
 constexpr float kSmallestCosine = 0.08F;
 
@@ -26,98 +29,103 @@ void limitRow(const float* raw, int width, float lowest, float highest, float* d
   }
 }
 
+// Stores the first `count` lanes, at most all of them.
+SACCADE_INLINE void storeFirst(const FloatLanes& lanes, int count, float* to) {
+  std::memcpy(to, &lanes, static_cast<std::size_t>(std::min(count, kLanes)) * sizeof(float));
+}
+
 // Bilateral mean of `centre[u + k * step]`, |k| <= radius, over pairs (+k, -k), each weighted by how well it lies on a
 // line with the centre: a slanted plane, whose inverse depth is linear, is left as it is, at its borders too. A pair
-// with a pixel that is not measured (0) bends by more than the tolerance and has no weight.
+// with a pixel that is not measured (0) bends by more than the tolerance and has no weight. Reads up to kLanes beyond.
 SACCADE_MULTIVERSION
 void smoothRow(const float* centre, std::ptrdiff_t step, int radius, int width, float tolerance, float* out) {
-  constexpr int kBlock = 64;
   const float scale = 1.0F / (tolerance * tolerance);
-  for (int first = 0; first < width; first += kBlock) {
-    const int count = std::min(kBlock, width - first);
-    const float* c = centre + first;
-    float sum[kBlock];
-    float weight[kBlock];
-    for (int i = 0; i < count; ++i) {
-      sum[i] = 0.0F;  // offsets from the centre keep the float sums exact enough
-      weight[i] = 1.0F;
-    }
+  const FloatLanes zero = {};
+  for (int u = 0; u < width; u += kLanes) {
+    const FloatLanes c = loadLanes(centre + u);
+    FloatLanes sum = zero;  // offsets from the centre keep the float sums exact enough
+    FloatLanes weight = allLanes(1.0F);
     for (int k = 1; k <= radius; ++k) {
-      const float* a = c + k * step;
-      const float* b = c - k * step;
-      for (int i = 0; i < count; ++i) {
-        const float bend = a[i] + b[i] - 2.0F * c[i];
-        const float near = std::max(0.0F, 1.0F - bend * bend * scale);
-        const float share = near * near;
-        sum[i] += share * bend;
-        weight[i] += 2.0F * share;
-      }
+      const FloatLanes bend = loadLanes(centre + u + k * step) + loadLanes(centre + u - k * step) - 2.0F * c;
+      const FloatLanes near = most(zero, 1.0F - bend * bend * scale);
+      const FloatLanes share = near * near;
+      sum += share * bend;
+      weight += 2.0F * share;
     }
-    for (int i = 0; i < count; ++i) out[first + i] = c[i] + sum[i] / weight[i];
+    storeFirst(c + sum / weight, width - u, out + u);
   }
 }
 
-// Least squares slope of the inverse depth through the centre, over those pairs of pixels (+k, -k) that lie on a
-// line with it; `support` is the sum of 2 k^2 over the pairs used.
-SACCADE_MULTIVERSION
-void slopeRow(const float* centre, std::ptrdiff_t step, int radius, int width, float tolerance, float* slope,
-              float* support) {
-  for (int u = 0; u < width; ++u) {
-    slope[u] = 0.0F;
-    support[u] = 0.0F;
-  }
-  for (int k = 1; k <= radius; ++k) {
-    const float* ahead = centre + k * step;
-    const float* behind = centre - k * step;
-    const auto distance = static_cast<float>(k);
-    for (int u = 0; u < width; ++u) {
-      const float bend = std::abs(ahead[u] + behind[u] - 2.0F * centre[u]);
-      const bool good = (bend < tolerance) & (ahead[u] > 0.0F) & (behind[u] > 0.0F);
-      slope[u] += good ? distance * (ahead[u] - behind[u]) : 0.0F;
-      support[u] += good ? 2.0F * distance * distance : 0.0F;
-    }
-  }
-}
-
-struct Slopes {
-  const float* u;
-  const float* u_support;
-  const float* v;
-  const float* v_support;
+// Slope of the inverse depth at eight pixels along one direction, where it has `support`.
+struct Slope {
+  FloatLanes sum;
+  FloatLanes support;
 };
 
-// On the plane n . p = d the inverse depth is (n / d) . ((u - cx) / fx, (v - cy) / fy, 1): the slopes are n / d.
+// Least squares slope of the inverse depth through the centre, over those pairs of pixels (+k, -k) that lie on a
+// line with it: `sum` / `support`, which is the sum of 2 k^2 over the pairs used.
+SACCADE_INLINE void fitSlope(const float* centre, std::ptrdiff_t step, int radius, float tolerance, Slope& slope) {
+  const FloatLanes zero = {};
+  const FloatLanes c = loadLanes(centre);
+  slope = {zero, zero};
+  for (int k = 1; k <= radius; ++k) {
+    const FloatLanes ahead = loadLanes(centre + k * step), behind = loadLanes(centre - k * step);
+    const auto distance = static_cast<float>(k);
+    const IntLanes good = (magnitude(ahead + behind - 2.0F * c) < tolerance) & (ahead > zero) & (behind > zero);
+    slope.sum += good ? distance * (ahead - behind) : zero;
+    slope.support += good ? allLanes(2.0F * distance * distance) : zero;
+  }
+}
+
+struct NormalWindow {
+  std::ptrdiff_t row_step;
+  int radius;
+  float tolerance;
+  float needed_support;
+};
+
+// Vertices and normals of one row. On the plane n . p = d the inverse depth is
+// (n / d) . ((u - cx) / fx, (v - cy) / fy, 1): the slopes are n / d. Reads up to kLanes beyond.
 SACCADE_MULTIVERSION
-void geometryRow(const float* inverse, const Slopes& slopes, int width, float v, const float* intrinsics,
-                 float needed_support, float* vertices, float* normals) {
-  const float fx = intrinsics[0];
-  const float fy = intrinsics[1];
-  const float cx = intrinsics[2];
+void geometryRow(const float* inverse, const NormalWindow& window, int width, float v, const float* intrinsics,
+                 float* vertices, float* normals) {
+  const float fx = intrinsics[0], fy = intrinsics[1], cx = intrinsics[2];
   const float dv = v - intrinsics[3];
-  for (int u = 0; u < width; ++u) {
-    const float q = inverse[u];
-    const bool measured = q > 0.0F;
-    const float z = measured ? 1.0F / q : 0.0F;
-    const float du = static_cast<float>(u) - cx;
-    const float x = du / fx * z;
-    const float y = dv / fy * z;
-    const bool supported = measured & (slopes.u_support[u] >= needed_support) & (slopes.v_support[u] >= needed_support);
-    const float a = supported ? slopes.u[u] / slopes.u_support[u] : 0.0F;
-    const float b = supported ? slopes.v[u] / slopes.v_support[u] : 0.0F;
-    const float nx = a * fx;
-    const float ny = b * fy;
-    const float nz = q - a * du - b * dv;
+  const FloatLanes zero = {};
+  for (int u = 0; u < width; u += kLanes) {
+    Slope along_u, along_v;
+    fitSlope(inverse + u, 1, window.radius, window.tolerance, along_u);
+    fitSlope(inverse + u, window.row_step, window.radius, window.tolerance, along_v);
+    const FloatLanes q = loadLanes(inverse + u);
+    const IntLanes measured = q > zero;
+    const FloatLanes z = measured ? 1.0F / q : zero;
+    const FloatLanes du = FloatLanes{0, 1, 2, 3, 4, 5, 6, 7} + (static_cast<float>(u) - cx);
+    const FloatLanes x = du / fx * z, y = dv / fy * z;
+    const IntLanes supported =
+        measured & (along_u.support >= window.needed_support) & (along_v.support >= window.needed_support);
+    const FloatLanes a = supported ? along_u.sum / along_u.support : zero;
+    const FloatLanes b = supported ? along_v.sum / along_v.support : zero;
+    const FloatLanes nx = a * fx, ny = b * fy, nz = q - a * du - b * dv;
     // n . p = 1 by construction, so the cosine between normal and ray is 1 / (|n| |p|), and -n faces the camera.
-    const float n_square = nx * nx + ny * ny + nz * nz;
-    const float p_square = x * x + y * y + z * z;
-    const bool facing = supported & (n_square * p_square * (kSmallestCosine * kSmallestCosine) < 1.0F);
-    const float scale = facing ? -1.0F / std::sqrt(n_square) : 0.0F;
-    vertices[3 * u] = x;
-    vertices[3 * u + 1] = y;
-    vertices[3 * u + 2] = z;
-    normals[3 * u] = nx * scale;
-    normals[3 * u + 1] = ny * scale;
-    normals[3 * u + 2] = nz * scale;
+    const FloatLanes n_square = nx * nx + ny * ny + nz * nz;
+    const FloatLanes p_square = x * x + y * y + z * z;
+    const IntLanes facing = supported & (n_square * p_square * (kSmallestCosine * kSmallestCosine) < 1.0F);
+    FloatLanes n_length = n_square;
+    squareRoots(n_length);
+    const FloatLanes scale = facing ? -1.0F / n_length : zero;
+    alignas(32) float lanes[6][kLanes];
+    storeLanes(x, lanes[0]);
+    storeLanes(y, lanes[1]);
+    storeLanes(z, lanes[2]);
+    storeLanes(nx * scale, lanes[3]);
+    storeLanes(ny * scale, lanes[4]);
+    storeLanes(nz * scale, lanes[5]);
+    for (int i = 0; i < std::min(kLanes, width - u); ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        vertices[3 * (u + i) + axis] = lanes[axis][i];
+        normals[3 * (u + i) + axis] = lanes[3 + axis][i];
+      }
+    }
   }
 }
 
@@ -187,17 +195,10 @@ void DepthPreparation::prepare(const cv::Mat1f& depth_m, const PinholeCamera& ca
   const float needed_support = radius == 1 ? 2.0F : 10.0F;  // at least the pairs at distance 1 and 2, or one further
   const float intrinsics[] = {static_cast<float>(camera.fx), static_cast<float>(camera.fy),
                               static_cast<float>(camera.cx), static_cast<float>(camera.cy)};
-  scratch_.resize(4 * static_cast<std::size_t>(width));
-  float* slope_u = scratch_.data();
-  float* support_u = slope_u + width;
-  float* slope_v = support_u + width;
-  float* support_v = slope_v + width;
+  const NormalWindow window{step, radius, tolerance, needed_support};
   for (int v = 0; v < height; ++v) {
-    const float* centre = inverse_depth_[v + kMargin] + kMargin;
-    slopeRow(centre, 1, radius, width, tolerance, slope_u, support_u);
-    slopeRow(centre, step, radius, width, tolerance, slope_v, support_v);
-    geometryRow(centre, {slope_u, support_u, slope_v, support_v}, width, static_cast<float>(v), intrinsics,
-                needed_support, maps.vertices[v][0].val, maps.normals[v][0].val);
+    geometryRow(inverse_depth_[v + kMargin] + kMargin, window, width, static_cast<float>(v), intrinsics,
+                maps.vertices[v][0].val, maps.normals[v][0].val);
   }
 }
 

@@ -19,13 +19,6 @@ std::size_t hashOf(const BrickPosition& p) {
   return static_cast<std::size_t>(h ^ (h >> 29U));
 }
 
-bool holdsNegative(const SurfaceBrick& brick) {
-  for (std::size_t i = 0; i < brick.distance.size(); ++i) {
-    if (brick.weight[i] > 0 && brick.distance[i] < 0) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 void SurfaceVolumeConfig::describe(ConfigVisitor& visitor) {
@@ -61,6 +54,7 @@ std::int32_t SurfaceVolume::findOrAllocate(const BrickPosition& position) {
   }
   const std::size_t index = positions_.size();
   if (index % kSlabBricks == 0) slabs_.push_back(std::make_unique<SurfaceBrick[]>(kSlabBricks));
+  slabs_.back()[index % kSlabBricks].distance.fill(SurfaceBrick::kUnknownDistance);
   positions_.push_back(position);
   bricks_.push_back(&slabs_.back()[index % kSlabBricks]);
   last_change_.push_back(changes_);
@@ -84,14 +78,17 @@ void SurfaceVolume::importBrick(const BrickPosition& position, const SurfaceBric
   ++changes_;
   const auto index = static_cast<std::size_t>(findOrAllocate(position));
   *bricks_[index] = brick;
+  for (std::size_t i = 0; i < brick.weight.size(); ++i) {
+    if (brick.weight[i] == 0) bricks_[index]->distance[i] = SurfaceBrick::kUnknownDistance;
+  }
   last_change_[index] = changes_;
-  behind_[index] = holdsNegative(brick) ? 1 : 0;
+  behind_[index] = blocksBehind(*bricks_[index], config_.band_cells);
 }
 
 std::size_t SurfaceVolume::memoryBytes() const {
   return slabs_.size() * kSlabBricks * sizeof(SurfaceBrick) + slots_.capacity() * sizeof(slots_[0]) +
-         positions_.capacity() * (sizeof(BrickPosition) + sizeof(SurfaceBrick*) + sizeof(std::uint64_t) + 1) +
-         scratch_->directory.capacity() * sizeof(scratch_->directory[0]);
+         positions_.capacity() * (sizeof(BrickPosition) + sizeof(SurfaceBrick*) + 2 * sizeof(std::uint64_t)) +
+         scratch_->directory.capacity() * (sizeof(scratch_->directory[0]) + 1);
 }
 
 std::optional<double> SurfaceVolume::distanceAt(const Eigen::Vector3d& p_W) const {

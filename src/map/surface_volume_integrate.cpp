@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "core/lanes.hpp"
 #include "map/surface_volume_scratch.hpp"
 #include "saccade/core/multiversion.hpp"
 #include "saccade/map/surface_volume.hpp"
@@ -11,6 +13,10 @@ namespace {
 constexpr int kSide = SurfaceBrick::kSide;
 constexpr int kSamples = SurfaceBrick::kSamples;
 
+// Eight samples as a brick stores them.
+using Distances = std::int16_t __attribute__((vector_size(16)));
+using Weights = std::uint16_t __attribute__((vector_size(16)));
+
 struct Projection {
   const float* depth;
   int width, height;
@@ -20,55 +26,59 @@ struct Projection {
   float weight_cap;   // in 1 / kWeightScale observations
 };
 
-// What fuseBrick found, as bits.
-constexpr int kNegative = 1;  // a known sample is negative
-constexpr int kObserved = 2;  // a sample was observed
-
-// Updates the brick whose first sample lies at `first` in the camera frame.
+// Updates the brick whose first sample lies at `first` in the camera frame; returns whether a sample was observed.
 SACCADE_MULTIVERSION
-int fuseBrick(const Projection& p, const float* first, const float* x_offsets, const float* y_offsets,
-              const float* z_offsets, std::int16_t* distances, std::uint16_t* weights) {
+bool fuseBrick(const Projection& p, const float* first, const float* x_offsets, const float* y_offsets,
+               const float* z_offsets, std::int16_t* distances, std::uint16_t* weights) {
   const float x0 = first[0];
   const float y0 = first[1];
   const float z0 = first[2];
-  const float* depth = p.depth;
-  const int width = p.width;
-  const float u_end = static_cast<float>(p.width);
-  const float v_end = static_cast<float>(p.height);
-  const float fx = p.fx, fy = p.fy, cx = p.cx + 0.5F, cy = p.cy + 0.5F;
+  const float cx = p.cx + 0.5F, cy = p.cy + 0.5F;
+  const auto u_end = static_cast<float>(p.width), v_end = static_cast<float>(p.height);
   const float per_band = 1.0F / p.band;
-  const float near_square = p.near_square, weight_cap = p.weight_cap;
-  int negative = 0;
-  int observed = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const float x = x0 + x_offsets[i];
-    const float y = y0 + y_offsets[i];
-    const float z = z0 + z_offsets[i];
-    const float per_z = 1.0F / z;
-    const float u = fx * x * per_z + cx;
-    const float v = fy * y * per_z + cy;
-    const bool inside = (z > 0.01F) & (u >= 0.0F) & (v >= 0.0F) & (u < u_end) & (v < v_end);
-    const int pixel = inside ? static_cast<int>(v) * width + static_cast<int>(u) : 0;
-    const float measured = inside ? depth[pixel] : 0.0F;
+  const FloatLanes zero = {};
+  IntLanes observed = {};
+  for (std::size_t i = 0; i < kSamples; i += kLanes) {
+    const FloatLanes x = x0 + loadLanes(x_offsets + i);
+    const FloatLanes y = y0 + loadLanes(y_offsets + i);
+    const FloatLanes z = z0 + loadLanes(z_offsets + i);
+    const FloatLanes per_z = 1.0F / z;
+    const FloatLanes u = p.fx * x * per_z + cx;
+    const FloatLanes v = p.fy * y * per_z + cy;
+    const IntLanes inside = (z > 0.01F) & (u >= zero) & (v >= zero) & (u < u_end) & (v < v_end);
+    if (!any(inside)) continue;
+    const IntLanes pixel = truncated(inside ? v : zero) * p.width + truncated(inside ? u : zero);
+    FloatLanes measured = {};
+    for (std::size_t lane = 0; lane < kLanes; ++lane) measured[lane] = p.depth[pixel[lane]];
     // Along the ray: the difference of the depths times the length of the ray at depth 1.
-    const float stretch = std::sqrt(x * x + y * y + z * z) * per_z;
-    const float raw = (measured - z) * stretch * per_band;
-    const bool seen = (measured > 0.0F) & (raw > -1.0F);
-    const float target = std::min(raw, 1.0F) * SurfaceBrick::kDistanceScale;
-    const float share = std::min(1.0F, near_square / (measured * measured));
-    const float added = seen ? share * SurfaceBrick::kWeightScale : 0.0F;
-    const auto old_weight = static_cast<float>(weights[i]);
-    const auto old = static_cast<float>(distances[i]);
-    const float sum = old_weight + added;
-    const float moved = seen ? old + (target - old) * (added / sum) : old;
-    const int rounded = static_cast<int>(moved + 32768.5F) - 32768;
-    const int weight = static_cast<int>(std::min(sum, std::max(weight_cap, old_weight)) + 0.5F);
-    distances[i] = static_cast<std::int16_t>(rounded);
-    weights[i] = static_cast<std::uint16_t>(weight);
-    negative |= static_cast<int>((rounded < 0) & (weight > 0));
-    observed |= static_cast<int>(seen);
+    FloatLanes length = x * x + y * y + z * z;
+    squareRoots(length);
+    const FloatLanes raw = (measured - z) * length * per_z * per_band;
+    const IntLanes seen = inside & (measured > zero) & (raw > -1.0F);
+    if (!any(seen)) continue;
+    observed |= seen;
+
+    const FloatLanes target = least(raw, allLanes(1.0F)) * SurfaceBrick::kDistanceScale;
+    const FloatLanes share = least(allLanes(1.0F), p.near_square / (measured * measured));
+    Distances stored_distance;
+    Weights stored_weight;
+    std::memcpy(&stored_distance, distances + i, sizeof stored_distance);
+    std::memcpy(&stored_weight, weights + i, sizeof stored_weight);
+    const IntLanes old_distance = __builtin_convertvector(stored_distance, IntLanes);
+    const IntLanes old_weight = __builtin_convertvector(stored_weight, IntLanes);
+    const FloatLanes old = toFloat(old_distance), before = toFloat(old_weight);
+    const FloatLanes added = share * SurfaceBrick::kWeightScale;
+    const FloatLanes sum = before + added;
+    const FloatLanes moved = old + (target - old) * (added / sum);
+    const IntLanes rounded = truncated(moved + 32768.5F) - 32768;
+    const IntLanes weight = truncated(least(sum, most(allLanes(p.weight_cap), before)) + 0.5F);
+    const IntLanes kept = weight > 0 ? rounded : IntLanes{} + SurfaceBrick::kUnknownDistance;
+    stored_distance = __builtin_convertvector(seen ? kept : old_distance, Distances);
+    stored_weight = __builtin_convertvector(seen ? weight : old_weight, Weights);
+    std::memcpy(distances + i, &stored_distance, sizeof stored_distance);
+    std::memcpy(weights + i, &stored_weight, sizeof stored_weight);
   }
-  return negative * kNegative + observed * kObserved;
+  return any(observed);
 }
 
 // Largest depth of each tile of the image, 0 where nothing is measured.
@@ -116,6 +126,26 @@ bool reaches(const std::vector<float>& farthest, const PinholeCamera& camera, co
 }
 
 }  // namespace
+
+std::uint64_t blocksBehind(const SurfaceBrick& brick, double band_samples) {
+  // Both signs meet at a surface, where distances change by one sample a sample: two are enough for any diagonal.
+  const auto deepest =
+      static_cast<std::int16_t>(-SurfaceBrick::kDistanceScale * static_cast<float>(2.0 / band_samples));
+  using Row = std::int16_t __attribute__((vector_size(16)));
+  std::uint64_t blocks = 0;
+  for (unsigned row = 0; row < 16; ++row) {  // of blocks: y from 0 to 3 in each of four z
+    const std::int16_t* first = &brick.distance[(row & 3U) * 2 * kSide + (row >> 2U) * 2 * kSide * kSide];
+    Row behind = {};
+    for (const int line : {0, kSide, kSide * kSide, kSide * kSide + kSide}) {
+      Row samples;
+      std::memcpy(&samples, first + line, sizeof samples);
+      behind |= (samples < 0) & (samples > deepest);
+    }
+    const auto pairs = reinterpret_cast<std::int32_t __attribute__((vector_size(16)))>(behind);
+    for (unsigned x = 0; x < 4; ++x) blocks |= std::uint64_t{pairs[x] != 0} << (4 * row + x);
+  }
+  return blocks;
+}
 
 void SurfaceVolume::allocateBand(const DepthMaps& depth, const Pose& T_WC) {
   const PinholeCamera& camera = depth.camera;
@@ -181,11 +211,12 @@ void SurfaceVolume::integrate(const DepthMaps& depth, const Pose& T_WC) {
     if (!reaches(scratch_->farthest, camera, centre, radius, centre.z() - radius - band)) continue;
     const auto index = static_cast<std::size_t>(scratch_->visible[i]);
     const Eigen::Vector3f first = centre + to_first;
-    const int found =
+    const bool observed =
         fuseBrick(projection, first.data(), scratch_->offsets[0].data(), scratch_->offsets[1].data(),
                   scratch_->offsets[2].data(), bricks_[index]->distance.data(), bricks_[index]->weight.data());
-    behind_[index] = (found & kNegative) != 0 ? 1 : 0;
-    if ((found & kObserved) != 0) last_change_[index] = changes_;
+    if (!observed) continue;
+    behind_[index] = blocksBehind(*bricks_[index], config_.band_cells);
+    last_change_[index] = changes_;
   }
 }
 

@@ -8,12 +8,15 @@
 
 #include <Eigen/Core>
 
+#include "map/ray_bounds.hpp"
 #include "saccade/map/surface_volume.hpp"
 
 namespace saccade {
 
 /// What the algorithms of a SurfaceVolume recycle from call to call.
 struct SurfaceVolume::Scratch {
+  Scratch() { unknown.distance.fill(SurfaceBrick::kUnknownDistance); }
+
   /// Bricks that touch the frustum of the last findVisible(), and their centres in that camera's frame.
   std::vector<std::int32_t> visible;
   std::vector<Eigen::Vector3f> centres;
@@ -22,19 +25,21 @@ struct SurfaceVolume::Scratch {
   std::array<std::array<float, SurfaceBrick::kSamples>, 3> offsets;
   std::vector<float> farthest;
 
-  /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, null where there is none. All
-  /// null between two calls.
+  /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, null where
+  /// there is none. All null between two calls.
   std::vector<const SurfaceBrick*> directory;
+  std::vector<std::uint8_t> no_surface;  ///< by brick of the directory; 1 as well where there is no brick
+  SurfaceBrick unknown{};
   std::vector<std::size_t> filled;
   Eigen::Vector3i origin = Eigen::Vector3i::Zero();
   Eigen::Vector3i extent = Eigen::Vector3i::Zero();
-  /// rayCast(): per tile of the image, the depths between which a surface can be met.
-  std::vector<float> nearest_hit;
-  std::vector<float> farthest_hit;
+  RayBounds bounds;
 };
 
 inline constexpr int kIntegrationTile = 16;  ///< pixels
-inline constexpr int kRayTile = 8;           ///< pixels
+
+/// The 2 x 2 x 2 blocks of a brick that hold a sample close behind a surface, as bits (see RayBounds).
+[[nodiscard]] std::uint64_t blocksBehind(const SurfaceBrick& brick, double band_samples);
 
 /// Throws std::invalid_argument unless `pose` is finite and its translation fits the brick grid.
 inline void requireUsablePose(const Pose& pose, const char* name) {

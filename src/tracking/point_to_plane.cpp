@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
 namespace {
 
 constexpr std::size_t kBlock = LivePoints::kBlock;
-constexpr std::size_t kLanes = 8;
 constexpr int kSums = 21 + 6 + 4;  // upper triangle of H, b, weight, weighted square, met, inliers
 
 struct Model {
@@ -60,70 +60,72 @@ void pairBlock(const BlockPoints& points, const float* T, const Model& model, co
   const float r00 = T[0], r01 = T[1], r02 = T[2], tx = T[3];
   const float r10 = T[4], r11 = T[5], r12 = T[6], ty = T[7];
   const float r20 = T[8], r21 = T[9], r22 = T[10], tz = T[11];
-  for (std::size_t i = 0; i < kBlock; ++i) {
-    const float x = r00 * px[i] + r01 * py[i] + r02 * pz[i] + tx;
-    const float y = r10 * px[i] + r11 * py[i] + r12 * pz[i] + ty;
-    const float z = r20 * px[i] + r21 * py[i] + r22 * pz[i] + tz;
-    const float per_z = 1.0F / z;
-    const float u = fx * x * per_z + cx + 0.5F;
-    const float v = fy * y * per_z + cy + 0.5F;
-    const bool inside = (z > 0.01F) & (u >= 0.0F) & (v >= 0.0F) & (u < u_end) & (v < v_end) & (weights[i] > 0.0F);
-    const int column = inside ? static_cast<int>(u) : 0;
-    const int row = inside ? static_cast<int>(v) : 0;
-    const int pixel = row * width + column;
-    const float depth = inside ? depths[pixel] : 0.0F;
-    const float mx = normals[3 * pixel];
-    const float my = normals[3 * pixel + 1];
-    const float mz = normals[3 * pixel + 2];
-    const float dx = (static_cast<float>(column) - cx) * per_fx * depth - x;
-    const float dy = (static_cast<float>(row) - cy) * per_fy * depth - y;
-    const float dz = depth - z;
-    const float residual = mx * dx + my * dy + mz * dz;
-    const float agreement = mx * (r00 * nx[i] + r01 * ny[i] + r02 * nz[i]) +
-                            my * (r10 * nx[i] + r11 * ny[i] + r12 * nz[i]) +
-                            mz * (r20 * nx[i] + r21 * ny[i] + r22 * nz[i]);
-    const float square = dx * dx + dy * dy + dz * dz;
-    const bool met = depth > 0.0F;
-    const bool paired = met & (square * per_gate_square < 1.0F) & (agreement > cosine);
-    const float left = std::max(0.0F, 1.0F - residual * residual * per_gate_square);
-    rows.j[0][i] = paired ? y * mz - z * my : 0.0F;
-    rows.j[1][i] = paired ? z * mx - x * mz : 0.0F;
-    rows.j[2][i] = paired ? x * my - y * mx : 0.0F;
-    rows.j[3][i] = paired ? mx : 0.0F;
-    rows.j[4][i] = paired ? my : 0.0F;
-    rows.j[5][i] = paired ? mz : 0.0F;
-    rows.residual[i] = paired ? residual : 0.0F;
-    rows.weight[i] = paired ? weights[i] * left * left : 0.0F;
-    rows.met[i] = met ? 1.0F : 0.0F;
-    rows.inlier[i] = paired ? 1.0F : 0.0F;
+  const FloatLanes zero = {};
+  for (std::size_t i = 0; i < kBlock; i += kLanes) {
+    const FloatLanes live_x = loadLanes(px + i), live_y = loadLanes(py + i), live_z = loadLanes(pz + i);
+    const FloatLanes x = r00 * live_x + r01 * live_y + r02 * live_z + tx;
+    const FloatLanes y = r10 * live_x + r11 * live_y + r12 * live_z + ty;
+    const FloatLanes z = r20 * live_x + r21 * live_y + r22 * live_z + tz;
+    const FloatLanes weight = loadLanes(weights + i);
+    const FloatLanes per_z = 1.0F / z;
+    const FloatLanes u = fx * x * per_z + cx + 0.5F, v = fy * y * per_z + cy + 0.5F;
+    const IntLanes inside = (z > 0.01F) & (u >= zero) & (v >= zero) & (u < u_end) & (v < v_end) & (weight > zero);
+    const IntLanes column = truncated(inside ? u : zero), row = truncated(inside ? v : zero);
+    const IntLanes pixel = row * width + column;
+    FloatLanes seen = {}, mx = {}, my = {}, mz = {};
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const float* normal = normals + 3 * pixel[lane];
+      seen[lane] = depths[pixel[lane]];
+      mx[lane] = normal[0];
+      my[lane] = normal[1];
+      mz[lane] = normal[2];
+    }
+    const FloatLanes depth = inside ? seen : zero;
+    const FloatLanes dx = (toFloat(column) - cx) * per_fx * depth - x;
+    const FloatLanes dy = (toFloat(row) - cy) * per_fy * depth - y;
+    const FloatLanes dz = depth - z;
+    const FloatLanes residual = mx * dx + my * dy + mz * dz;
+    const FloatLanes live_nx = loadLanes(nx + i), live_ny = loadLanes(ny + i), live_nz = loadLanes(nz + i);
+    const FloatLanes agreement = mx * (r00 * live_nx + r01 * live_ny + r02 * live_nz) +
+                                 my * (r10 * live_nx + r11 * live_ny + r12 * live_nz) +
+                                 mz * (r20 * live_nx + r21 * live_ny + r22 * live_nz);
+    const FloatLanes square = dx * dx + dy * dy + dz * dz;
+    const IntLanes met = depth > zero;
+    const IntLanes paired = met & (square * per_gate_square < 1.0F) & (agreement > cosine);
+    const FloatLanes left = most(zero, 1.0F - residual * residual * per_gate_square);
+    storeLanes(paired ? y * mz - z * my : zero, rows.j[0] + i);
+    storeLanes(paired ? z * mx - x * mz : zero, rows.j[1] + i);
+    storeLanes(paired ? x * my - y * mx : zero, rows.j[2] + i);
+    storeLanes(paired ? mx : zero, rows.j[3] + i);
+    storeLanes(paired ? my : zero, rows.j[4] + i);
+    storeLanes(paired ? mz : zero, rows.j[5] + i);
+    storeLanes(paired ? residual : zero, rows.residual + i);
+    storeLanes(paired ? weight * left * left : zero, rows.weight + i);
+    storeLanes(met ? allLanes(1.0F) : zero, rows.met + i);
+    storeLanes(paired ? allLanes(1.0F) : zero, rows.inlier + i);
   }
 }
 
 SACCADE_MULTIVERSION
 void sumBlock(const Rows& rows, float (*sums)[kLanes]) {
-  for (std::size_t first = 0; first < kBlock; first += kLanes) {
-    float weighted[6][kLanes];
-    float weighted_residual[kLanes];
-    for (std::size_t a = 0; a < 6; ++a) {
-      for (std::size_t l = 0; l < kLanes; ++l) weighted[a][l] = rows.j[a][first + l] * rows.weight[first + l];
-    }
-    for (std::size_t l = 0; l < kLanes; ++l) weighted_residual[l] = rows.residual[first + l] * rows.weight[first + l];
+  FloatLanes total[kSums] = {};
+  for (std::size_t i = 0; i < kBlock; i += kLanes) {
+    const FloatLanes weight = loadLanes(rows.weight + i), residual = loadLanes(rows.residual + i);
+    FloatLanes j[6];
+    for (std::size_t a = 0; a < 6; ++a) j[a] = loadLanes(rows.j[a] + i);
     std::size_t k = 0;
     for (std::size_t a = 0; a < 6; ++a) {
-      for (std::size_t b = a; b < 6; ++b, ++k) {
-        for (std::size_t l = 0; l < kLanes; ++l) sums[k][l] += weighted[a][l] * rows.j[b][first + l];
-      }
+      const FloatLanes weighted = j[a] * weight;
+      for (std::size_t b = a; b < 6; ++b) total[k++] += weighted * j[b];
     }
-    for (std::size_t a = 0; a < 6; ++a, ++k) {
-      for (std::size_t l = 0; l < kLanes; ++l) sums[k][l] += weighted[a][l] * rows.residual[first + l];
-    }
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      sums[k][l] += rows.weight[first + l];
-      sums[k + 1][l] += weighted_residual[l] * rows.residual[first + l];
-      sums[k + 2][l] += rows.met[first + l];
-      sums[k + 3][l] += rows.inlier[first + l];
-    }
+    const FloatLanes weighted_residual = residual * weight;
+    for (std::size_t a = 0; a < 6; ++a) total[k++] += weighted_residual * j[a];
+    total[k] += weight;
+    total[k + 1] += weighted_residual * residual;
+    total[k + 2] += loadLanes(rows.met + i);
+    total[k + 3] += loadLanes(rows.inlier + i);
   }
+  for (std::size_t k = 0; k < kSums; ++k) storeLanes(total[k], sums[k]);
 }
 
 }  // namespace
@@ -190,7 +192,7 @@ void linearize(const LivePoints& points, const ModelView& model, const Pose& T_M
         {points.position[0].data() + first, points.position[1].data() + first, points.position[2].data() + first},
         {points.normal[0].data() + first, points.normal[1].data() + first, points.normal[2].data() + first},
         points.weight.data() + first};
-    alignas(32) float lanes[kSums][kLanes] = {};
+    alignas(32) float lanes[kSums][kLanes];
     pairBlock(block, T, view, limits, rows);
     sumBlock(rows, lanes);
     for (std::size_t k = 0; k < kSums; ++k) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include <opencv2/core.hpp>
 
 #include "saccade/core/camera.hpp"
@@ -56,9 +54,8 @@ class DepthPreparation {
   void smooth(int width, int height);
 
   Config config_;
-  cv::Mat1f inverse_depth_;     ///< 1/m, 0 = no measurement, with a margin of zeros
-  cv::Mat1f smoothed_;          ///< the same after smoothing along rows, with the same margin
-  std::vector<float> scratch_;  ///< slopes of one row
+  cv::Mat1f inverse_depth_;  ///< 1/m, 0 = no measurement, with a margin of zeros
+  cv::Mat1f smoothed_;       ///< the same after smoothing along rows, with the same margin
 };
 
 /// DepthPreparation with the default configuration for a single image; allocates.

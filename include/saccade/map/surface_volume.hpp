@@ -39,9 +39,10 @@ struct SurfaceBrick {
   static constexpr int kSamples = kSide * kSide * kSide;
   static constexpr float kDistanceScale = 32767.0F;  ///< `distance` of a sample that is a whole band before a surface
   static constexpr float kWeightScale = 128.0F;      ///< `weight` of one full observation
+  static constexpr std::int16_t kUnknownDistance = INT16_MIN;  ///< `distance` where the weight is 0, and only there
 
   std::array<std::int16_t, kSamples> distance;  ///< positive before the surface, in 1 / kDistanceScale of the band
-  std::array<std::uint16_t, kSamples> weight;   ///< in 1 / kWeightScale observations; 0: unknown, whatever the distance
+  std::array<std::uint16_t, kSamples> weight;   ///< in 1 / kWeightScale observations; 0: unknown
 };
 
 /// The surface near the camera as a truncated signed distance, fused over a band around every measured surface (Curless
@@ -103,7 +104,7 @@ class SurfaceVolume {
   std::vector<BrickPosition> positions_;
   std::vector<SurfaceBrick*> bricks_;
   std::vector<std::uint64_t> last_change_;
-  std::vector<std::uint8_t> behind_;  ///< whether a brick holds a known negative distance: only these can be hit
+  std::vector<std::uint64_t> behind_;  ///< blocks of a brick close behind a surface, see RayBounds
   std::uint64_t changes_ = 0;
   std::vector<std::unique_ptr<SurfaceBrick[]>> slabs_;
   std::vector<std::int32_t> slots_;  ///< hash table with open addressing: index of a brick, or -1

@@ -1,0 +1,102 @@
+#include "map/ray_bounds.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "core/lanes.hpp"
+#include "saccade/core/multiversion.hpp"
+
+namespace saccade {
+namespace {
+
+constexpr float kNever = 1e9F;
+// Blocks nearer than this have no useful bounds in the image.
+constexpr float kNearest_m = 0.02F;
+
+// Extends the bounds of `count` cells from `nearest` and `farthest` on; reaches kLanes cells.
+SACCADE_INLINE void extend(float* nearest, float* farthest, int count, float near, float far) {
+  const IntLanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  for (int first = 0; first < count; first += kLanes) {
+    const IntLanes in = lane < count - first;
+    const FloatLanes n = loadLanes(nearest + first), f = loadLanes(farthest + first);
+    storeLanes(in & (n > near) ? allLanes(near) : n, nearest + first);
+    storeLanes(in & (f < far) ? allLanes(far) : f, farthest + first);
+  }
+}
+
+}  // namespace
+
+void RayBounds::reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, float sample_m) {
+  Constants& c = constants_;
+  c.fx = static_cast<float>(camera.fx);
+  c.fy = static_cast<float>(camera.fy);
+  c.cx = static_cast<float>(camera.cx);
+  c.cy = static_cast<float>(camera.cy);
+  c.last_u = static_cast<float>(camera.width - 1);
+  c.last_v = static_cast<float>(camera.height - 1);
+  c.half = 1.5F * sample_m;  // half a sample to its samples, and one to the surface
+  c.half_deep = c.half * R_CW.row(2).cwiseAbs().sum();
+  c.lead = 0.25F * sample_m;
+  for (int i = 0; i < 9; ++i) c.R_CW[static_cast<std::size_t>(i)] = R_CW(i / 3, i % 3);
+  for (int block = 0; block < 64; ++block) {
+    const Eigen::Vector3f at = R_CW * (Eigen::Vector3i(block & 3, block >> 2 & 3, block >> 4).cast<float>() * 2.0F -
+                                       Eigen::Vector3f::Constant(3.0F));
+    for (int axis = 0; axis < 3; ++axis) {
+      c.offset[static_cast<std::size_t>(axis)][static_cast<std::size_t>(block)] = at[axis] * sample_m;
+    }
+  }
+  stride_ = (camera.width + kCellPixels - 1) / kCellPixels + 2 * kLanes;
+  rows_ = (camera.height + kCellPixels - 1) / kCellPixels;
+  nearest_.assign(static_cast<std::size_t>(stride_ * rows_), kNever);
+  farthest_.assign(static_cast<std::size_t>(stride_ * rows_), 0.0F);
+}
+
+void RayBounds::add(const Eigen::Vector3f& centre_C, std::uint64_t blocks) {
+  draw(constants_, centre_C.data(), blocks, stride_, rows_, nearest_.data(), farthest_.data());
+}
+
+SACCADE_MULTIVERSION
+void RayBounds::draw(const Constants& c, const float* centre, std::uint64_t blocks, int stride, int rows,
+                     float* nearest, float* farthest) {
+  const FloatLanes zero = {};
+  for (std::size_t first = 0; first < 64; first += kLanes) {
+    auto wanted = static_cast<unsigned>(blocks >> first & 0xFFU);
+    if (wanted == 0) continue;
+    const FloatLanes x = loadLanes(&c.offset[0][first]) + centre[0];
+    const FloatLanes y = loadLanes(&c.offset[1][first]) + centre[1];
+    const FloatLanes z = loadLanes(&c.offset[2][first]) + centre[2];
+    const FloatLanes near = z - c.half_deep, far = z + c.half_deep;
+    // A corner p + d of the block's cube has x / z = p.x / p.z + (d.x - (p.x / p.z) d.z) / (p.z + d.z).
+    const FloatLanes per_z = 1.0F / z, per_near = c.half / near;
+    const FloatLanes tx = x * per_z, ty = y * per_z;
+    const FloatLanes reach_x = magnitude(c.R_CW[0] - tx * c.R_CW[6]) + magnitude(c.R_CW[1] - tx * c.R_CW[7]) +
+                               magnitude(c.R_CW[2] - tx * c.R_CW[8]);
+    const FloatLanes reach_y = magnitude(c.R_CW[3] - ty * c.R_CW[6]) + magnitude(c.R_CW[4] - ty * c.R_CW[7]) +
+                               magnitude(c.R_CW[5] - ty * c.R_CW[8]);
+    const FloatLanes u = c.fx * tx + c.cx, v = c.fy * ty + c.cy;
+    const FloatLanes du = c.fx * reach_x * per_near, dv = c.fy * reach_y * per_near;
+    const FloatLanes last_u = allLanes(c.last_u), last_v = allLanes(c.last_v);
+    // First pixel rounded up, last one down; numbers too large for an int do not get there.
+    const IntLanes u0 = truncated(least(most(u - du + 0.999F, zero), last_u + 1.0F));
+    const IntLanes u1 = truncated(least(most(u + du, zero - 1.0F), last_u));
+    const IntLanes v0 = truncated(least(most(v - dv + 0.999F, zero), last_v + 1.0F));
+    const IntLanes v1 = truncated(least(most(v + dv, zero - 1.0F), last_v));
+    for (; wanted != 0; wanted &= wanted - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(wanted));
+      if (far[i] <= 0.0F) continue;
+      if (near[i] <= kNearest_m) {
+        for (int row = 0; row < rows; ++row) {
+          extend(nearest + row * stride, farthest + row * stride, stride - kLanes, kNearest_m, far[i]);
+        }
+        continue;
+      }
+      if (u0[i] > u1[i] || v0[i] > v1[i]) continue;
+      const int column = u0[i] / kCellPixels, count = u1[i] / kCellPixels - column + 1;
+      for (int row = v0[i] / kCellPixels; row <= v1[i] / kCellPixels; ++row) {
+        extend(nearest + row * stride + column, farthest + row * stride + column, count, near[i] - c.lead, far[i]);
+      }
+    }
+  }
+}
+
+}  // namespace saccade
