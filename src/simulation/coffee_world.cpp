@@ -40,10 +40,10 @@ SimulatedWorld makeCoffeeWorld(std::uint64_t seed, std::int64_t loop_frames) {
   const Support floor{{2.0, 1.0, 0}, {1.1, 0.3}, 0, 2.0};
   int placed = clutter.place(makeCoffeeMachine, counter, 0.15) ? 1 : 0;
   placed += clutter.place(makeToaster, counter, 0.4) ? 1 : 0;
-  placed += clutter.fill(3, {makeBasket, makePlant, makeBall}, floor, 1.0);
+  placed += clutter.fill(6, {makeBasket, makePlant, makeBall, makeToyCar, makeTapeRoll, makeSmallBox}, floor, 1.0);
   placed += clutter.fill(24, kOnTable, table, 1.2);
-  placed += clutter.fill(13, kOnShelf, lower, 0.4);
-  placed += clutter.fill(10, kOnShelf, upper, 0.4);
+  placed += clutter.fill(12, kOnShelf, lower, 0.4);
+  placed += clutter.fill(8, kOnShelf, upper, 0.4);
   // The counter takes the rest: it is where the clutter is.
   clutter.fill(kObjects - placed, kOnCounter, counter, 0.7);
 
