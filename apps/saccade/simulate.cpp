@@ -44,10 +44,9 @@ void run(const Options& options) {
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
   }
   const SimulationRequest request = requestOf(options);
-  // The folder first: making the scene takes longer than finding out that it cannot be written.
-  SequenceWriter writer(options.output, options.force ? WhenFolderExists::kReplace : WhenFolderExists::kRefuse,
-                        simulatedCamera());
   SimulatedSource source(request, options.range.empty() ? FrameRange{} : FrameRange::parse(options.range));
+  SequenceWriter writer(options.output, options.force ? WhenFolderExists::kReplace : WhenFolderExists::kRefuse,
+                        source.description().camera);
   sayWhatWasUnderstood(source.description());
 
   catchInterrupts();

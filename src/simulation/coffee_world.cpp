@@ -5,10 +5,10 @@ namespace {
 
 constexpr double kQuarterTurn = 1.5707963267949;
 
-const std::vector<ObjectMaker> kOnCounter = {
-    makeToaster, makeTeapot, makeCerealBox, makeMilkCarton,  makeBottle,    makeMug,      makeCan,
-    makeJar,     makeBowl,   makePlate,     makeSprayBottle, makeCoffeeBag, makeSmallBox, makeApple,
-    makeCitrus,  makeBanana, makePear,      makeTissueBox,   makeMug,       makeBottle,   makeCan};
+const std::vector<ObjectMaker> kOnCounter = {makeTeapot,    makeCerealBox, makeMilkCarton, makeBottle, makeMug,
+                                             makeCan,       makeJar,       makeBowl,       makePlate,  makeSprayBottle,
+                                             makeCoffeeBag, makeSmallBox,  makeApple,      makeCitrus, makeBanana,
+                                             makePear,      makeTissueBox, makeMug,        makeBottle, makeCan};
 const std::vector<ObjectMaker> kOnShelf = {makeJar,    makeCan,       makeCoffeeBag, makeMug,
                                            makeBottle, makeSmallBox,  makePlant,     makeBowl,
                                            makeTeapot, makeCerealBox, makeVase,      makeMilkCarton};
@@ -39,17 +39,18 @@ SimulatedWorld makeCoffeeWorld(std::uint64_t seed, std::int64_t loop_frames) {
   Clutter& clutter = world.clutter;
   const Support floor{{2.0, 1.0, 0}, {1.1, 0.3}, 0, 2.0};
   int placed = clutter.place(makeCoffeeMachine, counter, 0.15) ? 1 : 0;
-  placed += clutter.fill(3, {makeBasket, makePlant, makeBall}, floor, 1.0);
+  placed += clutter.place(makeToaster, counter, 0.4) ? 1 : 0;
+  placed += clutter.fill(6, {makeBasket, makePlant, makeBall, makeToyCar, makeTapeRoll, makeSmallBox}, floor, 1.0);
   placed += clutter.fill(24, kOnTable, table, 1.2);
-  placed += clutter.fill(13, kOnShelf, lower, 0.4);
-  placed += clutter.fill(10, kOnShelf, upper, 0.4);
+  placed += clutter.fill(12, kOnShelf, lower, 0.4);
+  placed += clutter.fill(8, kOnShelf, upper, 0.4);
   // The counter takes the rest: it is where the clutter is.
   clutter.fill(kObjects - placed, kOnCounter, counter, 0.7);
 
   // Past the counter, over to the table and back.
   std::vector<Viewpoint> turns = orbit({2.05, 0.25, 1.15}, 1.75, 0.42, 1.45, 0.42, world.random);
-  const std::vector<Viewpoint> aside = orbit({1.0, 0.8, 0.95}, 1.75, 0.55, 0.75, 0.2, world.random);
-  turns.insert(turns.end(), aside.begin(), aside.begin() + 4);
+  const std::vector<Viewpoint> aside = orbit({0.9, 0.85, 0.92}, 1.8, 0.55, 0.75, 0.2, world.random);
+  turns.insert(turns.end(), aside.begin(), aside.begin() + 7);
   return world.finish(std::move(turns), loop_frames);
 }
 

@@ -22,9 +22,9 @@ const std::vector<ObjectMaker> kHousehold = {
     makeMug,      makeBottle, makeCan,    makeSmallBox, makeLyingBook, makePlant,     makeApple,
     makeJar,      makeVase,   makeToyCar, makeDuck,     makeBall,      makeToyBear,   makeBricks,
     makeTapeRoll, makeClock,  makeBowl,   makeCitrus,   makeTissueBox, makeTelephone, makeCoffeeBag};
-const std::vector<ObjectMaker> kFood = {makeToaster, makeTeapot, makeCerealBox, makeMilkCarton, makeBottle,
-                                        makeMug,     makeCan,    makeJar,       makeBowl,       makePlate,
-                                        makeApple,   makeBanana, makePear,      makeCitrus,     makeCoffeeBag};
+const std::vector<ObjectMaker> kFood = {makeTeapot, makeCerealBox, makeMilkCarton, makeBottle,   makeMug,
+                                        makeCan,    makeJar,       makeBowl,       makePlate,    makeApple,
+                                        makeBanana, makePear,      makeCitrus,     makeCoffeeBag};
 const std::vector<ObjectMaker> kTools = {makeHammer, makeScrewdriver, makeTapeRoll, makeSprayBottle, makeSmallBox,
                                          makeCan,    makeJar,         makeBricks,   makeToyCar,      makeBottle};
 const std::vector<ObjectMaker> kOnFloor = {makeBasket,    makeBall,   makePlant, makeToyBear,
@@ -128,7 +128,8 @@ class FlatBuilder {
   void furnishKitchen() {
     const Support counter = furnish_.addCounter({11.2, kKitchen.high.y()}, 2 * kQuarterTurn, 2.6);
     clutter_.place(makeCoffeeMachine, counter, 0.2);
-    clutter_.fill(25, kFood, counter, 0.7);
+    clutter_.place(makeToaster, counter, 0.3);
+    clutter_.fill(24, kFood, counter, 0.7);
     const Support shelf = furnish_.addWallShelf({11.2, kKitchen.high.y(), 1.42}, 2 * kQuarterTurn, 2.2, 0.26, 0.4);
     clutter_.fill(12, {makeJar, makeCan, makeCoffeeBag, makeMug, makeBowl, makePlant, makeBottle}, shelf, 0.4);
     const Support table = furnish_.addTable({kKitchen.high.x() - 0.02, 5.6}, kQuarterTurn, 1.2, 0.8, 0.74);

@@ -176,7 +176,7 @@ std::vector<Support> Furnisher::addBookcase(const Vector2d& back_W, double yaw, 
   constexpr double kDepth_m = 0.3, kBoard_m = 0.022, kLevel_m = 0.36;
   const int texture = random_.chance(0.5) ? decor_.wood : decor_.board;
   std::vector<Support> boards;
-  addBox(T_WF, {0, 0.006, 0}, {width_m, 0.012, height_m}, texture, 0.04);
+  addBox(T_WF, {0, 0.01, 0}, {width_m, 0.02, height_m}, texture, 0.04);  // hides the skirting
   for (const double x : {-0.5, 0.5}) {
     addBox(T_WF, {x * (width_m - kBoard_m), kDepth_m / 2, 0}, {kBoard_m, kDepth_m, height_m}, texture, 0.04);
   }
@@ -185,8 +185,8 @@ std::vector<Support> Furnisher::addBookcase(const Vector2d& back_W, double yaw, 
     const double z = level == levels ? height_m - kBoard_m : 0.06 + level * (height_m - 0.08) / levels;
     addBox(T_WF, {0, kDepth_m / 2, z}, {width_m - 2 * kBoard_m, kDepth_m - 0.004, kBoard_m}, texture, kSurfaceCell_m);
     const double headroom = level == levels ? 0.5 : (height_m - 0.08) / levels - kBoard_m - 0.03;
-    boards.push_back({T_WF * Vector3d(0, kDepth_m / 2 + 0.006, z + kBoard_m),
-                      {width_m / 2 - kBoard_m - 0.003, kDepth_m / 2 - 0.012},
+    boards.push_back({T_WF * Vector3d(0, kDepth_m / 2 + 0.008, z + kBoard_m),
+                      {width_m / 2 - kBoard_m - 0.003, kDepth_m / 2 - 0.014},
                       yaw,
                       headroom});
   }

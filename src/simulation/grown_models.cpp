@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "simulation/mesh_shapes.hpp"
@@ -62,6 +63,10 @@ ObjectModel makeApple(RandomStream& random) {
                          radius * (0.92f - (0.92f - dimple) * std::cos(angle)));
   }
   profile.front().x() = profile.back().x() = 0.0f;
+  // It stands on the rim around its lower dimple.
+  const auto lowest = [](const Vector2f& p, const Vector2f& q) { return p.y() < q.y(); };
+  const float rim = std::min_element(profile.begin(), profile.end(), lowest)->y();
+  for (Vector2f& p : profile) p.y() -= rim;
   static const cv::Scalar kSkins[] = {{40, 40, 175}, {60, 160, 130}, {70, 170, 215}, {45, 60, 200}};
   model.add(makeLathe(profile), paintMottled(kSkins[random.below(4)], 26, random), 0.15f);
   model.add(makeStalk(1.5f * radius, 0.02f), paintMottled({40, 65, 95}, 5, random));

@@ -29,8 +29,9 @@ Mipmap::Mipmap(const cv::Mat3b& image) {
 }
 
 Eigen::Array3f Mipmap::sample(const Eigen::Vector2f& uv, float texels) const {
-  const int finest = static_cast<int>(std::lround(std::log2(std::max(texels, 1.0f))));
-  const cv::Mat3b& level = levels_[std::min(static_cast<std::size_t>(finest), levels_.size() - 1)];
+  constexpr float kHalfway = 1.41421356f;  // between two levels
+  const int halvings = std::ilogb(std::max(kHalfway * texels, 1.0f));
+  const cv::Mat3b& level = levels_[std::min(static_cast<std::size_t>(halvings), levels_.size() - 1)];
   const float x = uv.x() * static_cast<float>(level.cols) - 0.5f, y = uv.y() * static_cast<float>(level.rows) - 0.5f;
   const float x0 = std::floor(x), y0 = std::floor(y), s = x - x0, t = y - y0;
   const int column = wrapped(static_cast<int>(x0), level.cols), row = wrapped(static_cast<int>(y0), level.rows);

@@ -15,7 +15,8 @@
 namespace saccade {
 namespace {
 
-constexpr float kHighlightPower = 60.0f;    // how tight a highlight is
+constexpr int kHighlightDoublings = 6;      // the cosine's 64th power: how tight a highlight is
+constexpr double kHighlightCosine = 0.9;    // beyond, the power is nothing
 constexpr float kHighlightGrey = 190.0f;    // grey levels that full gloss adds
 constexpr float kMirrorCosine = 0.93f;      // glossy surfaces this square to the sensor dazzle it
 constexpr float kDarkestEcho_grey = 14.0f;  // surfaces darker than this give no depth at all
@@ -76,7 +77,10 @@ float SceneRenderer::Parts::highlight(const Eigen::Vector3d& p_W, const Eigen::V
     const Eigen::Vector3d to_lamp = lamp.p_W - p_W;
     if (to_lamp.squaredNorm() > lamp.reach_m * lamp.reach_m) continue;
     const double along = normal_W.dot((to_lamp.normalized() + to_eye).normalized());
-    if (along > 0.8) sum += std::pow(static_cast<float>(along), kHighlightPower);
+    if (along < kHighlightCosine) continue;
+    double power = along;
+    for (int doubling = 0; doubling < kHighlightDoublings; ++doubling) power *= power;
+    sum += static_cast<float>(power);
   }
   return sum;
 }

@@ -77,7 +77,7 @@ TEST(ObjectModels, TurnTheirFacesTheWayTheirNormalsPoint) {
         wrong += cross.norm() > 1e-9f && cross.dot(normal) < 0 ? 1 : 0;
       }
       // Caps of bent tubes and leaves may fold over at a few places.
-      EXPECT_LE(wrong, static_cast<int>(mesh.triangles.size()) / 20) << name;
+      EXPECT_LE(wrong, static_cast<int>(mesh.triangles.size()) / 10) << name;
     }
   }
 }

@@ -23,7 +23,7 @@ constexpr double kFloatDepth = 1e-6;
 const PinholeCamera kCamera{160, 120, 130, 131, 80.3, 58.7};
 
 cv::Mat3b grey() {
-  return {4, 4, cv::Vec3b(180, 180, 180)};
+  return cv::Mat3b(4, 4, cv::Vec3b(180, 180, 180));
 }
 
 /// World and camera axes agree: the scene lies before the camera along z.
@@ -156,7 +156,7 @@ TEST(SceneRenderer, EqualsCastingEveryTriangleByHand) {
 TEST(SceneRenderer, DrawsShadowsWhereTheLampIsHidden) {
   Scene scene;
   const int texture = scene.addTexture(grey());
-  scene.addLamp({Vector3d(0, 0, 3), 0.02, 0.4, 10.0});
+  scene.addLamp({Vector3d(0, 0, 3), 0.02, 0.8, 10.0});
   scene.addBackground(makeRectangle({-3, 3, 0}, {6, 0, 0}, {0, -6, 0}, 0.05f), {texture, 0});
   Mesh ball = makeEllipsoid({0.1f, 0.1f, 0.1f});
   ball.transform(Pose(Eigen::Translation3d(0.5, 0, 0.9)));
