@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
@@ -17,7 +18,15 @@ float inverseOf(float component) {
 }
 
 /// Rays tested together: a row of the box is rounded up to these, with rays of the cells beside it.
-constexpr std::size_t kBatch = 8;
+constexpr std::size_t kBatch = kLanes;
+
+/// The bits that any lane has.
+SACCADE_INLINE unsigned bitsOf(const IntLanes& lanes) {
+  using Halves = std::int64_t __attribute__((vector_size(32)));
+  const auto halves = reinterpret_cast<Halves>(lanes);
+  const std::int64_t both = halves[0] | halves[1] | halves[2] | halves[3];
+  return static_cast<unsigned>(both | both >> 32) & 0xFFu;
+}
 
 /// Bits of the family's leaves that one of the rays of some rows crosses: per axis the shares of the ray's length at
 /// which it enters and leaves the lower and the upper half, then the eight combinations. Row y holds the rays from
@@ -26,36 +35,35 @@ SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, 
                                         const std::uint32_t* first, const std::uint32_t* last, std::size_t rows,
                                         std::size_t stride, const float* low, unsigned wanted) {
   const float low_x = low[0], low_y = low[1], low_z = low[2];
+  const FloatLanes start = {}, end_of_ray = allLanes(1.0f);  // shares of a ray
   unsigned crossed_by_any = 0;
   for (std::size_t row = 0; row < rows; ++row) {
     const std::uint32_t begin = first[row * stride], end = last[row * stride];
     const float *ix = all_x + begin, *iy = all_y + begin, *iz = all_z + begin;
     const std::size_t n = (end - begin + kBatch - 1) / kBatch * kBatch;
-    unsigned crossed = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const float x0 = low_x * ix[k], x1 = x0 + ix[k], x2 = x1 + ix[k];
-      const float y0 = low_y * iy[k], y1 = y0 + iy[k], y2 = y1 + iy[k];
-      const float z0 = low_z * iz[k], z1 = z0 + iz[k], z2 = z1 + iz[k];
-      const float in_x0 = std::max(std::min(x0, x1), 0.0f), in_x1 = std::max(std::min(x1, x2), 0.0f);
-      const float out_x0 = std::min(std::max(x0, x1), 1.0f), out_x1 = std::min(std::max(x1, x2), 1.0f);
-      const float in_y0 = std::min(y0, y1), in_y1 = std::min(y1, y2);
-      const float out_y0 = std::max(y0, y1), out_y1 = std::max(y1, y2);
-      const float in_z0 = std::min(z0, z1), in_z1 = std::min(z1, z2);
-      const float out_z0 = std::max(z0, z1), out_z1 = std::max(z1, z2);
-      const float in_00 = std::max(in_x0, in_y0), in_10 = std::max(in_x1, in_y0);
-      const float in_01 = std::max(in_x0, in_y1), in_11 = std::max(in_x1, in_y1);
-      const float out_00 = std::min(out_x0, out_y0), out_10 = std::min(out_x1, out_y0);
-      const float out_01 = std::min(out_x0, out_y1), out_11 = std::min(out_x1, out_y1);
-      crossed |= (std::max(in_00, in_z0) < std::min(out_00, out_z0) ? 1u : 0u) |
-                 (std::max(in_10, in_z0) < std::min(out_10, out_z0) ? 2u : 0u) |
-                 (std::max(in_01, in_z0) < std::min(out_01, out_z0) ? 4u : 0u) |
-                 (std::max(in_11, in_z0) < std::min(out_11, out_z0) ? 8u : 0u) |
-                 (std::max(in_00, in_z1) < std::min(out_00, out_z1) ? 16u : 0u) |
-                 (std::max(in_10, in_z1) < std::min(out_10, out_z1) ? 32u : 0u) |
-                 (std::max(in_01, in_z1) < std::min(out_01, out_z1) ? 64u : 0u) |
-                 (std::max(in_11, in_z1) < std::min(out_11, out_z1) ? 128u : 0u);
+    IntLanes crossed = {};
+    for (std::size_t k = 0; k < n; k += kBatch) {
+      const FloatLanes step_x = loadLanes(ix + k), step_y = loadLanes(iy + k), step_z = loadLanes(iz + k);
+      const FloatLanes x0 = low_x * step_x, x1 = x0 + step_x, x2 = x1 + step_x;
+      const FloatLanes y0 = low_y * step_y, y1 = y0 + step_y, y2 = y1 + step_y;
+      const FloatLanes z0 = low_z * step_z, z1 = z0 + step_z, z2 = z1 + step_z;
+      const FloatLanes in_x0 = most(least(x0, x1), start), in_x1 = most(least(x1, x2), start);
+      const FloatLanes out_x0 = least(most(x0, x1), end_of_ray), out_x1 = least(most(x1, x2), end_of_ray);
+      const FloatLanes in_y0 = least(y0, y1), in_y1 = least(y1, y2);
+      const FloatLanes out_y0 = most(y0, y1), out_y1 = most(y1, y2);
+      const FloatLanes in_z0 = least(z0, z1), in_z1 = least(z1, z2);
+      const FloatLanes out_z0 = most(z0, z1), out_z1 = most(z1, z2);
+      const FloatLanes in_00 = most(in_x0, in_y0), in_10 = most(in_x1, in_y0);
+      const FloatLanes in_01 = most(in_x0, in_y1), in_11 = most(in_x1, in_y1);
+      const FloatLanes out_00 = least(out_x0, out_y0), out_10 = least(out_x1, out_y0);
+      const FloatLanes out_01 = least(out_x0, out_y1), out_11 = least(out_x1, out_y1);
+      crossed |=
+          ((most(in_00, in_z0) < least(out_00, out_z0)) & 1) | ((most(in_10, in_z0) < least(out_10, out_z0)) & 2) |
+          ((most(in_01, in_z0) < least(out_01, out_z0)) & 4) | ((most(in_11, in_z0) < least(out_11, out_z0)) & 8) |
+          ((most(in_00, in_z1) < least(out_00, out_z1)) & 16) | ((most(in_10, in_z1) < least(out_10, out_z1)) & 32) |
+          ((most(in_01, in_z1) < least(out_01, out_z1)) & 64) | ((most(in_11, in_z1) < least(out_11, out_z1)) & 128);
     }
-    crossed_by_any |= crossed;
+    crossed_by_any |= bitsOf(crossed);
     if ((crossed_by_any & wanted) == wanted) break;
   }
   return crossed_by_any & wanted;
