@@ -14,8 +14,8 @@ struct RankingConfig {
   int max_open = 255;
   double duplicate_iou = 0.9;
   bool suppress = true;
-  double suppress_from = 0.3;
-  double suppress_power = 3.0;
+  double suppress_from = 0.2;
+  double suppress_power = 0.25;
   FeatureConfig features;
 
   void describe(ConfigVisitor& v) {
