@@ -129,6 +129,20 @@ TEST(Explore, WithoutInhibitionNothingIsInhibited) {
   EXPECT_EQ(inhibitedIn({"--no-ior"}), 0);
 }
 
+TEST(Inspect, OpensEverySessionOfTheMapsFolder) {
+  int sessions = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(SACCADE_SOURCE_DIR) / "maps")) {
+    if (entry.path().extension() != ".saccade") continue;
+    ++sessions;
+    const ProgramRun inspect = runSaccade({"inspect", entry.path(), "--json"});
+    ASSERT_EQ(inspect.exit_code, 0) << inspect.talk;
+    const nlohmann::json summary = nlohmann::json::parse(inspect.output);
+    EXPECT_GT(summary["map"]["leaves"].get<int>(), 0) << entry.path();
+    EXPECT_GT(summary["attention"]["attended_candidates"].get<int>(), 0) << entry.path();
+  }
+  EXPECT_GE(sessions, 1);
+}
+
 TEST(Explore, GivenPosesAreBelieved) {
   const TemporaryFolder folder;
   ASSERT_EQ(runSaccade({"explore", "sim:desk", "--range", ":6", "--poses", "dataset", "--trajectory", folder / "t"})
