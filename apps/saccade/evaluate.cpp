@@ -167,8 +167,13 @@ void sayTracking(const SequenceEvaluation& sequence) {
 }
 
 void report(const std::vector<SequenceEvaluation>& sequences, const Options& options) {
+  const bool single_frames = !options.frames.empty();
   if (options.json) {
-    std::cout << evaluationJson(sequences, options.k) << "\n";
+    std::cout << (single_frames ? framesJson(sequences.front(), options.k) : evaluationJson(sequences, options.k))
+              << "\n";
+  } else if (single_frames) {
+    std::cout << alignedTable(figureRows(sequences.front(), options.k));
+    if (!sequences.front().others.empty()) std::cout << "\n" << alignedTable(methodRows(sequences, options.k));
   } else {
     for (const SequenceEvaluation& sequence : sequences) sayTracking(sequence);
     std::cout << "\n" << alignedTable(methodRows(sequences, options.k));

@@ -140,6 +140,26 @@ std::string evaluationJson(const std::vector<SequenceEvaluation>& sequences, int
   return documentOf(sequences, k).dump(2);
 }
 
+std::string framesJson(const SequenceEvaluation& evaluation, int k) {
+  Json json = {{"frames", evaluation.frames}};
+  json.update(jsonOf(evaluation.ours, k));
+  for (const MethodScore& method : evaluation.others) json["others"][method.name] = jsonOf(method, k);
+  return json.dump(2);
+}
+
+std::vector<std::vector<std::string>> figureRows(const SequenceEvaluation& evaluation, int k) {
+  const Json ours = jsonOf(evaluation.ours, k);
+  std::vector<std::vector<std::string>> rows = {
+      {"Pascal criterion, " + std::to_string(evaluation.frames) + " frames", "boxes", "masks"}};
+  for (const auto& [name, value] : ours["boxes"].items()) {
+    rows.push_back(
+        {name, fmt::format("{:.3f}", value.get<double>()), fmt::format("{:.3f}", ours["masks"][name].get<double>())});
+  }
+  rows.push_back({"candidates_per_frame", fmt::format("{:.1f}", evaluation.ours.candidates)});
+  rows.push_back({"ms_per_frame", fmt::format("{:.1f}", evaluation.ours.ms)});
+  return rows;
+}
+
 std::vector<std::vector<std::string>> methodRows(const std::vector<SequenceEvaluation>& sequences, int k) {
   const Json mean = documentOf(sequences, k)["mean"];
   const std::string at = "_at_" + std::to_string(k);

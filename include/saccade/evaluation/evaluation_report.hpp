@@ -12,7 +12,14 @@ namespace saccade {
 /// Figures that not every sequence has are missing from the means.
 [[nodiscard]] std::string evaluationJson(const std::vector<SequenceEvaluation>& sequences, int k);
 
-/// The same as text for a terminal: the means, or the one sequence's figures.
+/// The figures of single labelled frames as JSON: those of our method at the top (`frames`, `boxes`, `masks`,
+/// `candidates_per_frame`, `ms_per_frame`), other methods by name under `others`.
+[[nodiscard]] std::string framesJson(const SequenceEvaluation& evaluation, int k);
+
+/// Our figures on single frames by the names they have in JSON, for boxes and masks.
+[[nodiscard]] std::vector<std::vector<std::string>> figureRows(const SequenceEvaluation& evaluation, int k);
+
+/// The figures of all sequences as text for a terminal: the means, or the one sequence's figures.
 [[nodiscard]] std::vector<std::vector<std::string>> methodRows(const std::vector<SequenceEvaluation>& sequences, int k);
 [[nodiscard]] std::vector<std::vector<std::string>> runRows(const std::vector<SequenceEvaluation>& sequences, int k);
 
