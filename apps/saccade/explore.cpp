@@ -238,8 +238,9 @@ void run(const Options& options) {
 void addExplore(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("explore", "Explore a recorded sequence: track, map, propose, attend");
-  command->add_option("INPUT", options->input,
-                      "a 7-Scenes, TUM or labelled-frames folder (the kind is detected), or sim:SCENE, as saccade simulate makes");
+  command->add_option(
+      "INPUT", options->input,
+      "a 7-Scenes, TUM or labelled-frames folder (the kind is detected), or sim:SCENE, as saccade simulate makes");
   command->add_option("-o,--output", options->session, "the session to write (*.saccade)");
   command->add_flag("--force", options->force, "replace a session that exists");
   command->add_option("--trajectory", options->trajectory, "write the poses in TUM format");
