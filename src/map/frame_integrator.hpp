@@ -34,6 +34,13 @@ struct SiblingFrame {
   std::array<float, 4> plane_reach{};           ///< half the span along the normal of each side of the pyramid
 };
 
+/// What projecting nodes needs of the camera, in leaves.
+struct ProjectionConstants {
+  float fx = 0, fy = 0, cx = 0, cy = 0;
+  std::array<float, 9> R_CW{};     ///< by rows
+  std::array<float, 12> planes{};  ///< inward normals of the four sides of the viewing pyramid, camera frame
+};
+
 /// Adds frames to the tree in one descent that touches each node once (DESIGN, "Integration").
 ///
 /// Occupied: the leaves of the points, sorted in the order of the descent. Free: a node in front of every measured
@@ -48,7 +55,7 @@ class FrameIntegrator {
   IntegrationReport integrate(IorOcTree& tree, const DepthMaps& depth, const cv::Mat3b& color, const Pose& T_WC);
 
  private:
-  using Hits = std::span<const EndpointLeaves::Hit>;
+  using Hits = std::span<const EndpointLeaves::Endpoint>;
   /// A node on the way down: its lowest corner from the cube's base and its centre in the camera frame, in leaves.
   struct Place {
     int depth;
@@ -74,7 +81,7 @@ class FrameIntegrator {
                                       unsigned wanted) const;
   [[nodiscard]] Place childPlace(const Place& place, unsigned i) const;
 
-  void hit(IorOcTreeNode* leaf, const EndpointLeaves::Hit& seen);
+  void hit(IorOcTreeNode* leaf, const EndpointLeaves::Endpoint& endpoint);
   void miss(IorOcTreeNode* leaf, const Place& place);
   void reportForgotten(const Place& place);
 
@@ -85,12 +92,10 @@ class FrameIntegrator {
 
   // Of the frame in work:
   IorOcTree* tree_ = nullptr;
-  const DepthMaps* maps_ = nullptr;
-  bool has_color_ = false;
+  bool has_color_ = false, has_normals_ = false;
   Eigen::Matrix3f R_WC_, R_CW_;
   FrameCube cube_;
-  float fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;
-  std::array<float, 12> planes_{};           // normals of the four sides of the viewing pyramid, camera frame
+  ProjectionConstants projection_;
   std::array<SiblingFrame, 17> siblings_{};  // by depth of the sibling
   float hit_ = 0, miss_ = 0, lowest_ = 0, highest_ = 0, occupied_ = 0;
   IntegrationReport report_;

@@ -12,9 +12,42 @@ namespace {
 /// Cells beyond which the margin does not grow, however near the surface.
 constexpr int kLargestMargin = 32;
 
-float inverseOf(float component) {
+/// Smallest depth of the points (x, y, z), of which there are `count`.
+SACCADE_MULTIVERSION float nearestDepth(const float* x, const float* y, const float* z, std::size_t count,
+                                        const EndProjection& p) {
+  float nearest = 3.0e38f;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float depth =
+        p.R_CW[6] * (x[i] - p.camera[0]) + p.R_CW[7] * (y[i] - p.camera[1]) + p.R_CW[8] * (z[i] - p.camera[2]);
+    nearest = depth < nearest ? depth : nearest;
+  }
+  return nearest;
+}
+
+/// Inverse components of the vectors from the camera to the points, their depths and cells.
+SACCADE_MULTIVERSION void projectEnds(const float* x, const float* y, const float* z, std::size_t count,
+                                      const EndProjection& p, float* inverse_x, float* inverse_y, float* inverse_z,
+                                      float* depth, std::int32_t* cell) {
   constexpr float kSmallest = 1e-6f;  // keeps rays along a plane of leaf walls free of 0 * infinity
-  return 1.0f / (std::fabs(component) < kSmallest ? std::copysign(kSmallest, component) : component);
+  const auto inverse = [](float component) {
+    const float magnitude = std::fabs(component) < kSmallest ? kSmallest : std::fabs(component);
+    return 1.0f / std::copysign(magnitude, component);
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const float dx = x[i] - p.camera[0], dy = y[i] - p.camera[1], dz = z[i] - p.camera[2];
+    const float px = p.R_CW[0] * dx + p.R_CW[1] * dy + p.R_CW[2] * dz;
+    const float py = p.R_CW[3] * dx + p.R_CW[4] * dy + p.R_CW[5] * dz;
+    const float far = p.R_CW[6] * dx + p.R_CW[7] * dy + p.R_CW[8] * dz;
+    const float pz = far > 1e-3f ? far : 1e-3f;
+    const float u = p.fx * px / pz + p.cx, v = p.fy * py / pz + p.cy;
+    const float column = u < 0.0f ? 0.0f : u > p.last_x ? p.last_x : u;
+    const float row = v < 0.0f ? 0.0f : v > p.last_y ? p.last_y : v;
+    cell[i] = static_cast<std::int32_t>(row) * p.width + static_cast<std::int32_t>(column);
+    depth[i] = pz;
+    inverse_x[i] = inverse(dx);
+    inverse_y[i] = inverse(dy);
+    inverse_z[i] = inverse(dz);
+  }
 }
 
 /// Rays tested together: a row of the box is rounded up to these, with rays of the cells beside it.
@@ -47,6 +80,10 @@ SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, 
       const FloatLanes x0 = low_x * step_x, x1 = x0 + step_x, x2 = x1 + step_x;
       const FloatLanes y0 = low_y * step_y, y1 = y0 + step_y, y2 = y1 + step_y;
       const FloatLanes z0 = low_z * step_z, z1 = z0 + step_z, z2 = z1 + step_z;
+      // Of the whole family first: half of those that are asked for are crossed by none of the rays beside them.
+      const FloatLanes in = most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2)));
+      const FloatLanes out = least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2)));
+      if (!any(in < out)) continue;
       const FloatLanes in_x0 = most(least(x0, x1), start), in_x1 = most(least(x1, x2), start);
       const FloatLanes out_x0 = least(most(x0, x1), end_of_ray), out_x1 = least(most(x1, x2), end_of_ray);
       const FloatLanes in_y0 = least(y0, y1), in_y1 = least(y1, y2);
@@ -85,12 +122,11 @@ unsigned RayPyramid::crossedLeaves(const float* low, unsigned wanted) const {
 
 void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& depth, const PinholeCamera& camera,
                        const Eigen::Matrix3f& R_CW, const FrameCube& cube) {
-  float nearest = 3.0e38f;
-  for (const auto& hit : endpoints.hits()) {
-    const EndpointLeaves::Seen& seen = endpoints.seen(hit);
-    const Eigen::Vector3f d = seen.centre() - cube.camera_leaves;
-    nearest = std::min(nearest, R_CW.row(2).dot(d));
-  }
+  EndProjection projection{};
+  for (std::size_t i = 0; i < 3; ++i) projection.camera[i] = cube.camera_leaves[static_cast<Eigen::Index>(i)];
+  for (int i = 0; i < 9; ++i) projection.R_CW[i] = R_CW(i / 3, i % 3);
+  const auto& [x, y, z] = endpoints.centres();
+  const float nearest = nearestDepth(x.data(), y.data(), z.data(), x.size(), projection);
   // Half a leaf's diagonal, as it looks at the nearest point.
   const double pixels = 0.87 * std::max(camera.fx, camera.fy) / std::max(1.0, static_cast<double>(nearest));
   margin_ = std::min(kLargestMargin, static_cast<int>(pixels / 2.0) + 1);
@@ -101,7 +137,8 @@ void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& dept
   levels_[0].height = height_;
   levels_[0].blocks.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Range{0.0f, 0.0f});
   boundPixels(depth);
-  projectRays(endpoints, camera, R_CW, cube);
+  projectRays(endpoints, camera, projection);
+  groupRays();
   buildLevels();
 }
 
@@ -117,34 +154,43 @@ void RayPyramid::boundPixels(const WorkingDepth& depth) {
   }
 }
 
-void RayPyramid::projectRays(const EndpointLeaves& endpoints, const PinholeCamera& camera, const Eigen::Matrix3f& R_CW,
-                             const FrameCube& cube) {
-  projected_.clear();
-  const auto fx = static_cast<float>(0.5 * camera.fx), fy = static_cast<float>(0.5 * camera.fy);
-  const auto cx = static_cast<float>(0.5 * camera.cx + 0.25 + margin_);
-  const auto cy = static_cast<float>(0.5 * camera.cy + 0.25 + margin_);
+void RayPyramid::projectRays(const EndpointLeaves& endpoints, const PinholeCamera& camera, EndProjection& projection) {
+  projection.fx = static_cast<float>(0.5 * camera.fx);
+  projection.fy = static_cast<float>(0.5 * camera.fy);
+  projection.cx = static_cast<float>(0.5 * camera.cx + 0.25 + margin_);
+  projection.cy = static_cast<float>(0.5 * camera.cy + 0.25 + margin_);
+  projection.last_x = static_cast<float>(width_) - 1.0f;
+  projection.last_y = static_cast<float>(height_) - 1.0f;
+  projection.width = width_;
+  Projected& p = projected_;
+  const auto& [x, y, z] = endpoints.centres();
+  ray_count_ = x.size();
+  for (auto* values : {&p.inverse_x, &p.inverse_y, &p.inverse_z, &p.depth}) values->resize(ray_count_);
+  p.cell.resize(ray_count_);
+  projectEnds(x.data(), y.data(), z.data(), ray_count_, projection, p.inverse_x.data(), p.inverse_y.data(),
+              p.inverse_z.data(), p.depth.data(), p.cell.data());
+}
+
+/// Sorts the projected rays by cells.
+void RayPyramid::groupRays() {
   starts_.assign(levels_[0].blocks.size() + 1, 0);
-  for (const auto& hit : endpoints.hits()) {
-    const Eigen::Vector3f d = endpoints.seen(hit).centre() - cube.camera_leaves;
-    const Eigen::Vector3f p = R_CW * d;
-    const float z = std::max(p.z(), 1e-3f);
-    const float x = std::clamp(fx * p.x() / z + cx, 0.0f, static_cast<float>(width_) - 1.0f);
-    const float y = std::clamp(fy * p.y() / z + cy, 0.0f, static_cast<float>(height_) - 1.0f);
-    const std::uint32_t cell =
-        static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width_) + static_cast<std::uint32_t>(x);
-    projected_.push_back({cell, {inverseOf(d.x()), inverseOf(d.y()), inverseOf(d.z())}});
+  const Projected& p = projected_;
+  for (std::size_t i = 0; i < ray_count_; ++i) {
+    const auto cell = static_cast<std::size_t>(p.cell[i]);
     ++starts_[cell + 1];
-    levels_[0].blocks[cell].highest = std::max(levels_[0].blocks[cell].highest, z);
+    levels_[0].blocks[cell].highest = std::max(levels_[0].blocks[cell].highest, p.depth[i]);
   }
   for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
-  ray_count_ = projected_.size();
   constexpr float kNever = std::numeric_limits<float>::quiet_NaN();
-  for (auto* inverse : {&inverse_x_, &inverse_y_, &inverse_z_}) inverse->assign(ray_count_ + kBatch, kNever);
-  for (const Projected& p : projected_) {
-    const std::uint32_t i = starts_[p.cell]++;  // moves every start to its end
-    inverse_x_[i] = p.inverse[0];
-    inverse_y_[i] = p.inverse[1];
-    inverse_z_[i] = p.inverse[2];
+  for (auto* inverse : {&inverse_x_, &inverse_y_, &inverse_z_}) {
+    inverse->resize(ray_count_ + kBatch);
+    std::fill(inverse->end() - kBatch, inverse->end(), kNever);
+  }
+  for (std::size_t i = 0; i < ray_count_; ++i) {
+    const std::uint32_t place = starts_[static_cast<std::size_t>(p.cell[i])]++;  // moves every start to its end
+    inverse_x_[place] = p.inverse_x[i];
+    inverse_y_[place] = p.inverse_y[i];
+    inverse_z_[place] = p.inverse_z[i];
   }
   for (std::size_t i = starts_.size() - 1; i > 0; --i) starts_[i] = starts_[i - 1];
   starts_[0] = 0;

@@ -13,6 +13,15 @@
 
 namespace saccade {
 
+/// What projecting the ends of rays to the cells of a RayPyramid needs.
+struct EndProjection {
+  float camera[3];       ///< from the cube's base, in leaves
+  float R_CW[9];         ///< by rows
+  float fx, fy, cx, cy;  ///< in cells
+  float last_x, last_y;  ///< the last cells
+  std::int32_t width;    ///< cells in a row
+};
+
 /// The rays of one frame, one to the centre of each leaf that holds a point (as OctoMap's discretised insertion), by
 /// the place in the image they go through; and a pyramid of depth bounds over them.
 ///
@@ -77,13 +86,8 @@ class RayPyramid {
     int width = 0, height = 0;
     std::vector<Range> blocks;
   };
-  struct Projected {
-    std::uint32_t cell;
-    float inverse[3];
-  };
-
-  void projectRays(const EndpointLeaves& endpoints, const PinholeCamera& camera, const Eigen::Matrix3f& R_CW,
-                   const FrameCube& cube);
+  void projectRays(const EndpointLeaves& endpoints, const PinholeCamera& camera, EndProjection& projection);
+  void groupRays();
   void boundPixels(const WorkingDepth& depth);
   void buildLevels();
 
@@ -93,7 +97,10 @@ class RayPyramid {
   // length has t = (p - camera) * inverse along each axis. By cells, and then padding that crosses nothing.
   std::vector<float> inverse_x_, inverse_y_, inverse_z_;
   std::size_t ray_count_ = 0;
-  std::vector<Projected> projected_;
+  struct Projected {  // the same by leaves, with depth and cell
+    std::vector<float> depth, inverse_x, inverse_y, inverse_z;
+    std::vector<std::int32_t> cell;
+  } projected_;
   std::vector<Level> levels_;
 };
 
