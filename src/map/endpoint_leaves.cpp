@@ -174,9 +174,7 @@ void EndpointLeaves::merge() {
 }
 
 void EndpointLeaves::append(std::uint64_t code, const Seen& seen) {
-  const auto mean = [&](std::uint32_t sum) {
-    return static_cast<std::uint8_t>((sum + seen.pixels / 2) / seen.pixels);
-  };
+  const auto mean = [&](std::uint32_t sum) { return static_cast<std::uint8_t>((sum + seen.pixels / 2) / seen.pixels); };
   endpoints_.push_back({code, seen.normal_C, mean(seen.blue), mean(seen.green), mean(seen.red)});
   centres_[0].push_back(static_cast<float>(xOf(seen.place)) + 0.5f);
   centres_[1].push_back(static_cast<float>(yOf(seen.place)) + 0.5f);

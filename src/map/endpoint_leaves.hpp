@@ -35,7 +35,7 @@ class EndpointLeaves {
   /// One leaf: its Morton code from the cube's base, and what its pixels say together.
   struct Endpoint {
     std::uint64_t code;
-    std::array<float, 3> normal_C;            ///< of the leaf's first pixel; (0, 0, 0) = none
+    std::array<float, 3> normal_C;              ///< of the leaf's first pixel; (0, 0, 0) = none
     std::uint8_t blue = 0, green = 0, red = 0;  ///< mean
   };
   /// Centres of the leaves from the cube's base, in leaves, by axis, in the order of the leaves.

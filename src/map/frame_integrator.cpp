@@ -13,36 +13,8 @@ namespace {
 constexpr int kFinest = MapTree::kDepth;
 /// Stands for log-odds of 0, with the sign of the update that led there; OctoMap reads 0 as occupied.
 constexpr float kNearlyZero = 1e-6f;
-/// Leaves in front of the camera within which a node has no useful bounds in the image.
-constexpr float kNoBound = 1e-2f;
 /// Observations beyond this no longer slow the running mean of colour and normal down.
 constexpr int kMeanMemory = 15;
-
-SACCADE_MULTIVERSION void boundSiblings(const ProjectionConstants& c, const SiblingFrame& s, float px, float py, float pz,
-                                        SiblingBounds& out) {
-  for (std::size_t i = 0; i < 8; ++i) {
-    const float x = px + s.dx[i], y = py + s.dy[i], z = pz + s.dz[i];
-    const float z_near = z - s.z_reach;
-    const float inv = 1.0f / z, inv_near = 1.0f / z_near;
-    const float tx = x * inv, ty = y * inv;
-    // |p.x / p.z - tx| over the cube: the numerator p.x - tx p.z is linear, the denominator at least z_near.
-    const float reach_x =
-        std::fabs(c.R_CW[0] - tx * c.R_CW[6]) + std::fabs(c.R_CW[1] - tx * c.R_CW[7]) + std::fabs(c.R_CW[2] - tx * c.R_CW[8]);
-    const float reach_y =
-        std::fabs(c.R_CW[3] - ty * c.R_CW[6]) + std::fabs(c.R_CW[4] - ty * c.R_CW[7]) + std::fabs(c.R_CW[5] - ty * c.R_CW[8]);
-    out.z[i] = z;
-    out.z_near[i] = z_near;
-    out.u[i] = c.fx * tx + c.cx;
-    out.v[i] = c.fy * ty + c.cy;
-    out.du[i] = c.fx * s.half * reach_x * inv_near;
-    out.dv[i] = c.fy * s.half * reach_y * inv_near;
-    std::int32_t outside = z + s.z_reach <= 0.0f;
-    for (std::size_t k = 0; k < 4; ++k) {
-      outside |= c.planes[3 * k] * x + c.planes[3 * k + 1] * y + c.planes[3 * k + 2] * z < -s.plane_reach[k];
-    }
-    out.outside[i] = outside;
-  }
-}
 
 /// The hits of child i: those whose digit at this level is i; `hits` is sorted and starts at child i.
 std::size_t countOfChild(std::span<const EndpointLeaves::Endpoint> hits, unsigned i, int level) {
@@ -121,6 +93,9 @@ void FrameIntegrator::prepareSiblings(const PinholeCamera& camera) {
   const float margin = static_cast<float>(rays_.margin()) + 0.5f;
   const float left = p.cx + margin, right = static_cast<float>(camera.width - 1) + margin - p.cx;
   const float top = p.cy + margin, bottom = static_cast<float>(camera.height - 1) + margin - p.cy;
+  p.margin_cells = 0.5f * static_cast<float>(rays_.margin());
+  p.width_cells = static_cast<float>(rays_.widthCells());
+  p.height_cells = static_cast<float>(rays_.heightCells());
   p.planes = {p.fx, 0, left, -p.fx, 0, right, 0, p.fy, top, 0, -p.fy, bottom};
 
   for (int d = 1; d <= kFinest; ++d) {
@@ -195,45 +170,57 @@ bool FrameIntegrator::updateChildren(IorOcTreeNode* node, const Place& place, Hi
   const int depth = place.depth + 1;  // of the children; the finest ones are never reached here
   SiblingBounds bounds;
   boundSiblings(projection_, siblings_[static_cast<std::size_t>(depth)], place.cx, place.cy, place.cz, bounds);
-  for (unsigned mask = node->childMask(); mask != 0; mask &= mask - 1) {
-    const auto i = static_cast<unsigned>(std::countr_zero(mask));
-    if (bounds.outside[i] == 0) prefetchFamily(node->child(i));
+  for (unsigned mask = node->childMask() & ~bounds.outside; mask != 0; mask &= mask - 1) {
+    prefetchFamily(node->child(static_cast<unsigned>(std::countr_zero(mask))));
   }
-  bool changed = false;
+  std::array<Hits, 8> hits_of;
+  unsigned hit = 0;
   for (unsigned i = 0; i < 8; ++i) {
-    const std::size_t n = countOfChild(hits, i, kFinest - depth);
-    const Hits mine = hits.first(n);
-    hits = hits.subspan(n);
-    if (mine.empty() && bounds.outside[i] != 0) continue;
+    hits_of[i] = hits.first(countOfChild(hits, i, kFinest - depth));
+    hits = hits.subspan(hits_of[i].size());
+    hit |= static_cast<unsigned>(!hits_of[i].empty()) << i;
+  }
+  const unsigned unhit = ~hit & ~bounds.outside & ~settledChildren(node) & 0xFFu;
+  RayPyramid::Sights sights = rays_.sights(bounds, unhit & bounds.bounded & ~bounds.empty);
+  sights.hidden |= bounds.empty;
+  bool changed = false;
+  for (unsigned mask = hit | (unhit & ~sights.hidden); mask != 0; mask &= mask - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(mask));
+    const bool free = (hit >> i & 1u) == 0 && (sights.free >> i & 1u) != 0;
     const Place child = childPlace(place, i);
-    changed |= depth == kFinest - 1 ? updateFinestFamily(node, i, child, mine, bounds)
-                                    : updateInnerChild(node, i, child, mine, bounds);
+    if (free) {
+      changed |= freeChild(node, i, child);
+    } else if (depth == kFinest - 1) {
+      changed |= updateFinestFamily(node, i, child, hits_of[i], bounds);
+    } else {
+      changed |= updateInnerChild(node, i, child, hits_of[i]);
+    }
   }
   if (!node->isLeaf()) refresh(node);
   return changed;
 }
 
-bool FrameIntegrator::updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits,
-                                       const SiblingBounds& bounds) {
+/// Children that are leaves and cannot become more free, as bits.
+unsigned FrameIntegrator::settledChildren(const IorOcTreeNode* node) const {
+  unsigned settled = 0;
+  for (unsigned mask = node->childMask(); mask != 0; mask &= mask - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(mask));
+    const IorOcTreeNode* child = node->child(i);
+    settled |= static_cast<unsigned>(child->isLeaf() && child->getLogOdds() <= lowest_) << i;
+  }
+  return settled;
+}
+
+bool FrameIntegrator::freeChild(IorOcTreeNode* node, unsigned i, const Place& place) {
+  if ((node->childMask() >> i & 1u) != 0) return freeSubtree(node->child(i), place);
+  miss(tree_->createNodeChild(node, i), place);
+  return true;
+}
+
+bool FrameIntegrator::updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits) {
   const bool fresh = (node->childMask() >> i & 1u) == 0;
-  IorOcTreeNode* child = fresh ? nullptr : node->child(i);
-  if (hits.empty()) {
-    if (!fresh && child->isLeaf() && child->getLogOdds() <= lowest_) return false;  // cannot become more free
-    const Sight sight = sightOf(bounds, i);
-    if (sight == Sight::kHidden) return false;
-    if (sight == Sight::kFree) {
-      if (fresh) {
-        miss(tree_->createNodeChild(node, i), place);
-        return true;
-      }
-      return freeSubtree(child, place);
-    }
-  }
-  if (fresh) {
-    child = tree_->createNodeChild(node, i);
-  } else if (child->isLeaf()) {
-    tree_->expandNode(child);
-  }
+  IorOcTreeNode* child = fresh ? tree_->createNodeChild(node, i) : node->child(i);
+  if (!fresh && child->isLeaf()) tree_->expandNode(child);
   const bool changed = updateChildren(child, place, hits);
   if (fresh && !changed) tree_->deleteNodeChild(node, i);  // opened in vain
   return changed;
@@ -246,25 +233,9 @@ bool FrameIntegrator::updateFinestFamily(IorOcTreeNode* node, unsigned i, const 
   const bool coarse = !fresh && family->isLeaf();
   unsigned hit_mask = 0, wanted = 0xFF;
   for (const EndpointLeaves::Endpoint& hit : hits) hit_mask |= 1u << (hit.code & 7u);
-  if (coarse && family->getLogOdds() <= lowest_) {
-    if (hits.empty()) return false;
-    wanted = 0;
-  } else if (hits.empty()) {
-    const Sight sight = sightOf(bounds, i);
-    if (sight == Sight::kHidden) return false;
-    if (sight == Sight::kFree) {
-      if (!fresh) return freeSubtree(family, place);
-      miss(tree_->createNodeChild(node, i), place);
-      return true;
-    }
-  }
+  if (coarse && family->getLogOdds() <= lowest_) wanted = 0;
   wanted &= ~hit_mask;
-  if (!fresh && !coarse) {
-    for (unsigned mask = family->childMask() & wanted; mask != 0; mask &= mask - 1) {
-      const auto k = static_cast<unsigned>(std::countr_zero(mask));
-      if (family->child(k)->getLogOdds() <= lowest_) wanted &= ~(1u << k);
-    }
-  }
+  if (!fresh && !coarse) wanted &= ~settledChildren(family);
   const unsigned missed = wanted != 0 ? passedLeaves(bounds, i, place, wanted) : 0;
   if ((missed | hit_mask) == 0) return false;
   if (fresh) family = tree_->createNodeChild(node, i);
@@ -322,24 +293,13 @@ void FrameIntegrator::refresh(IorOcTreeNode* node) {
   if (!may_prune || !tree_->pruneNode(node)) node->updateOccupancyChildren();
 }
 
-FrameIntegrator::Sight FrameIntegrator::sightOf(const SiblingBounds& bounds, unsigned i) const {
-  if (bounds.z_near[i] <= kNoBound) return Sight::kMixed;
-  const RayPyramid::Box box = rays_.box(bounds.u[i], bounds.v[i], bounds.du[i], bounds.dv[i]);
-  if (box.empty()) return Sight::kHidden;
-  const RayPyramid::Range range = rays_.range(box);
-  if (range.highest <= bounds.z_near[i]) return Sight::kHidden;
-  const float z_far = 2.0f * bounds.z[i] - bounds.z_near[i];
-  return !box.clipped && range.lowest > z_far ? Sight::kFree : Sight::kMixed;
-}
-
 unsigned FrameIntegrator::passedLeaves(const SiblingBounds& bounds, unsigned i, const Place& family,
                                        unsigned wanted) const {
   const float low[3] = {static_cast<float>(family.x) - cube_.camera_leaves.x(),
                         static_cast<float>(family.y) - cube_.camera_leaves.y(),
                         static_cast<float>(family.z) - cube_.camera_leaves.z()};
-  if (bounds.z_near[i] <= kNoBound) return rays_.crossedLeaves(low, wanted);
-  const RayPyramid::Box box = rays_.box(bounds.u[i], bounds.v[i], bounds.du[i], bounds.dv[i]);
-  return box.empty() ? 0 : rays_.crossedLeaves(box, low, wanted);
+  if ((bounds.bounded >> i & 1u) == 0) return rays_.crossedLeaves(low, wanted);
+  return (bounds.empty >> i & 1u) != 0 ? 0 : rays_.crossedLeaves(bounds, i, low, wanted);
 }
 
 FrameIntegrator::Place FrameIntegrator::childPlace(const Place& place, unsigned i) const {

@@ -1,5 +1,7 @@
 #include "map/ray_pyramid.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -27,7 +29,7 @@ SACCADE_MULTIVERSION float nearestDepth(const float* x, const float* y, const fl
 /// Inverse components of the vectors from the camera to the points, their depths and cells.
 SACCADE_MULTIVERSION void projectEnds(const float* x, const float* y, const float* z, std::size_t count,
                                       const EndProjection& p, float* inverse_x, float* inverse_y, float* inverse_z,
-                                      float* depth, std::int32_t* cell) {
+                                      float* depth, std::int32_t* cell, std::int32_t* place) {
   constexpr float kSmallest = 1e-6f;  // keeps rays along a plane of leaf walls free of 0 * infinity
   const auto inverse = [](float component) {
     const float magnitude = std::fabs(component) < kSmallest ? kSmallest : std::fabs(component);
@@ -42,7 +44,9 @@ SACCADE_MULTIVERSION void projectEnds(const float* x, const float* y, const floa
     const float u = p.fx * px / pz + p.cx, v = p.fy * py / pz + p.cy;
     const float column = u < 0.0f ? 0.0f : u > p.last_x ? p.last_x : u;
     const float row = v < 0.0f ? 0.0f : v > p.last_y ? p.last_y : v;
-    cell[i] = static_cast<std::int32_t>(row) * p.width + static_cast<std::int32_t>(column);
+    const auto cell_x = static_cast<std::int32_t>(column), cell_y = static_cast<std::int32_t>(row);
+    cell[i] = cell_y * p.width + cell_x;
+    place[i] = (cell_y & ~1) * p.width + 2 * cell_x + (cell_y & 1);
     depth[i] = pz;
     inverse_x[i] = inverse(dx);
     inverse_y[i] = inverse(dy);
@@ -53,37 +57,34 @@ SACCADE_MULTIVERSION void projectEnds(const float* x, const float* y, const floa
 /// Rays tested together: a row of the box is rounded up to these, with rays of the cells beside it.
 constexpr std::size_t kBatch = kLanes;
 
-/// The bits that any lane has.
-SACCADE_INLINE unsigned bitsOf(const IntLanes& lanes) {
-  using Halves = std::int64_t __attribute__((vector_size(32)));
-  const auto halves = reinterpret_cast<Halves>(lanes);
-  const std::int64_t both = halves[0] | halves[1] | halves[2] | halves[3];
-  return static_cast<unsigned>(both | both >> 32) & 0xFFu;
-}
-
-/// Bits of the family's leaves that one of the rays of some rows crosses: per axis the shares of the ray's length at
-/// which it enters and leaves the lower and the upper half, then the eight combinations. Row y holds the rays from
-/// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches. Stops when all `wanted` are crossed.
+/// Bits of the family's leaves that one of the rays of some runs crosses: per axis the shares of the ray's length at
+/// which it enters and leaves the lower and the upper half, then the eight combinations. Run y holds the rays from
+/// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches.
 SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, const float* all_z,
-                                        const std::uint32_t* first, const std::uint32_t* last, std::size_t rows,
-                                        std::size_t stride, const float* low, unsigned wanted) {
+                                        const std::uint32_t* first, const std::uint32_t* last, std::size_t runs,
+                                        std::size_t stride, const float* low) {
   const float low_x = low[0], low_y = low[1], low_z = low[2];
   const FloatLanes start = {}, end_of_ray = allLanes(1.0f);  // shares of a ray
-  unsigned crossed_by_any = 0;
-  for (std::size_t row = 0; row < rows; ++row) {
-    const std::uint32_t begin = first[row * stride], end = last[row * stride];
-    const float *ix = all_x + begin, *iy = all_y + begin, *iz = all_z + begin;
-    const std::size_t n = (end - begin + kBatch - 1) / kBatch * kBatch;
-    IntLanes crossed = {};
-    for (std::size_t k = 0; k < n; k += kBatch) {
-      const FloatLanes step_x = loadLanes(ix + k), step_y = loadLanes(iy + k), step_z = loadLanes(iz + k);
+  // Of the whole family first: half of those that are asked for are crossed by none of the rays beside them.
+  IntLanes entered = {};
+  for (std::size_t run = 0; run < runs; ++run) {
+    for (std::uint32_t k = first[run * stride]; k < last[run * stride]; k += kBatch) {
+      const FloatLanes step_x = loadLanes(all_x + k), step_y = loadLanes(all_y + k), step_z = loadLanes(all_z + k);
+      const FloatLanes x0 = low_x * step_x, x2 = x0 + step_x + step_x;
+      const FloatLanes y0 = low_y * step_y, y2 = y0 + step_y + step_y;
+      const FloatLanes z0 = low_z * step_z, z2 = z0 + step_z + step_z;
+      entered |= most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2))) <
+                 least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2)));
+    }
+  }
+  if (!any(entered)) return 0;
+  IntLanes crossed = {};
+  for (std::size_t run = 0; run < runs; ++run) {
+    for (std::uint32_t k = first[run * stride]; k < last[run * stride]; k += kBatch) {
+      const FloatLanes step_x = loadLanes(all_x + k), step_y = loadLanes(all_y + k), step_z = loadLanes(all_z + k);
       const FloatLanes x0 = low_x * step_x, x1 = x0 + step_x, x2 = x1 + step_x;
       const FloatLanes y0 = low_y * step_y, y1 = y0 + step_y, y2 = y1 + step_y;
       const FloatLanes z0 = low_z * step_z, z1 = z0 + step_z, z2 = z1 + step_z;
-      // Of the whole family first: half of those that are asked for are crossed by none of the rays beside them.
-      const FloatLanes in = most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2)));
-      const FloatLanes out = least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2)));
-      if (!any(in < out)) continue;
       const FloatLanes in_x0 = most(least(x0, x1), start), in_x1 = most(least(x1, x2), start);
       const FloatLanes out_x0 = least(most(x0, x1), end_of_ray), out_x1 = least(most(x1, x2), end_of_ray);
       const FloatLanes in_y0 = least(y0, y1), in_y1 = least(y1, y2);
@@ -100,24 +101,56 @@ SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, 
           ((most(in_00, in_z1) < least(out_00, out_z1)) & 16) | ((most(in_10, in_z1) < least(out_10, out_z1)) & 32) |
           ((most(in_01, in_z1) < least(out_01, out_z1)) & 64) | ((most(in_11, in_z1) < least(out_11, out_z1)) & 128);
     }
-    crossed_by_any |= bitsOf(crossed);
-    if ((crossed_by_any & wanted) == wanted) break;
   }
-  return crossed_by_any & wanted;
+  return orOf(crossed);
 }
 
 }  // namespace
 
-unsigned RayPyramid::crossedLeaves(const Box& box, const float* low, unsigned wanted) const {
-  const std::size_t row = static_cast<std::size_t>(box.y0) * static_cast<std::size_t>(width_);
-  const std::uint32_t* starts = &starts_[row];
-  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), starts + box.x0, starts + box.x1 + 1,
-                   static_cast<std::size_t>(box.y1 - box.y0) + 1, static_cast<std::size_t>(width_), low, wanted);
+SACCADE_MULTIVERSION RayPyramid::Sights RayPyramid::sights(const Level* levels, const SiblingBounds& siblings,
+                                                           unsigned asked) {
+  Sights sights;
+  const IntLanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  for (; asked != 0; asked &= asked - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(asked));
+    const std::int32_t x0 = siblings.x0[i], y0 = siblings.y0[i], x1 = siblings.x1[i], y1 = siblings.y1[i];
+    // The finest level on which the box is at most four blocks wide and high.
+    const auto extent = static_cast<unsigned>(std::max(x1 - x0, y1 - y0));
+    const int level = extent <= 2 ? 0 : std::bit_width(extent / 3);
+    const Level& l = levels[level];
+    const std::int32_t first_x = x0 >> level;
+    const IntLanes in_box = lane < 2 * ((x1 >> level) - first_x + 1);
+    const float* row = &l.blocks[static_cast<std::size_t>((y0 >> level) * l.width + first_x)].minus_lowest;
+    FloatLanes bounds = {-3.0e38f, 0, -3.0e38f, 0, -3.0e38f, 0, -3.0e38f, 0};
+    const FloatLanes none = bounds;
+    for (std::int32_t y = y0 >> level; y <= y1 >> level; ++y, row += 2 * l.width) {
+      bounds = most(bounds, in_box ? loadLanes(row) : none);
+    }
+    alignas(32) float b[kLanes];
+    storeLanes(bounds, b);
+    const float minus_lowest = std::max(std::max(b[0], b[2]), std::max(b[4], b[6]));
+    const float highest = std::max(std::max(b[1], b[3]), std::max(b[5], b[7]));
+    const bool hidden = highest <= siblings.near[i];
+    sights.hidden |= static_cast<unsigned>(hidden) << i;
+    sights.free |= static_cast<unsigned>(!hidden && -minus_lowest > siblings.far[i]) << i;
+  }
+  sights.free &= ~siblings.clipped;
+  return sights;
+}
+
+unsigned RayPyramid::crossedLeaves(const SiblingBounds& bounds, unsigned i, const float* low, unsigned wanted) const {
+  const std::int32_t first_y = bounds.y0[i] & ~1;
+  const std::uint32_t* first = &starts_[placeOf(bounds.x0[i], first_y)];
+  const std::uint32_t* last = first + 2 * (bounds.x1[i] - bounds.x0[i] + 1);
+  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), first, last,
+                   static_cast<std::size_t>(bounds.y1[i] - first_y) / 2 + 1, 2 * static_cast<std::size_t>(width_),
+                   low) &
+         wanted;
 }
 
 unsigned RayPyramid::crossedLeaves(const float* low, unsigned wanted) const {
   const std::uint32_t begin = 0, end = static_cast<std::uint32_t>(ray_count_);
-  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), &begin, &end, 1, 0, low, wanted);
+  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), &begin, &end, 1, 0, low) & wanted;
 }
 
 void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& depth, const PinholeCamera& camera,
@@ -135,7 +168,7 @@ void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& dept
   if (levels_.empty()) levels_.emplace_back();
   levels_[0].width = width_;
   levels_[0].height = height_;
-  levels_[0].blocks.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Range{0.0f, 0.0f});
+  levels_[0].blocks.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) + kLanes, Range{0, 0});
   boundPixels(depth);
   projectRays(endpoints, camera, projection);
   groupRays();
@@ -149,7 +182,7 @@ void RayPyramid::boundPixels(const WorkingDepth& depth) {
     Range* out = &levels_[0].blocks[static_cast<std::size_t>(y + margin_) * static_cast<std::size_t>(width_) +
                                     static_cast<std::size_t>(margin_)];
     for (int x = 0; 2 * x + 1 < depth.width(); ++x) {
-      out[x].lowest = std::min(std::min(a[2 * x], a[2 * x + 1]), std::min(b[2 * x], b[2 * x + 1]));
+      out[x].minus_lowest = -std::min(std::min(a[2 * x], a[2 * x + 1]), std::min(b[2 * x], b[2 * x + 1]));
     }
   }
 }
@@ -167,18 +200,19 @@ void RayPyramid::projectRays(const EndpointLeaves& endpoints, const PinholeCamer
   ray_count_ = x.size();
   for (auto* values : {&p.inverse_x, &p.inverse_y, &p.inverse_z, &p.depth}) values->resize(ray_count_);
   p.cell.resize(ray_count_);
+  p.place.resize(ray_count_);
   projectEnds(x.data(), y.data(), z.data(), ray_count_, projection, p.inverse_x.data(), p.inverse_y.data(),
-              p.inverse_z.data(), p.depth.data(), p.cell.data());
+              p.inverse_z.data(), p.depth.data(), p.cell.data(), p.place.data());
 }
 
 /// Sorts the projected rays by cells.
 void RayPyramid::groupRays() {
-  starts_.assign(levels_[0].blocks.size() + 1, 0);
+  starts_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>((height_ + 1) & ~1) + 1, 0);
   const Projected& p = projected_;
   for (std::size_t i = 0; i < ray_count_; ++i) {
-    const auto cell = static_cast<std::size_t>(p.cell[i]);
-    ++starts_[cell + 1];
-    levels_[0].blocks[cell].highest = std::max(levels_[0].blocks[cell].highest, p.depth[i]);
+    ++starts_[static_cast<std::size_t>(p.place[i]) + 1];
+    float& highest = levels_[0].blocks[static_cast<std::size_t>(p.cell[i])].highest;
+    highest = std::max(highest, p.depth[i]);
   }
   for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
   constexpr float kNever = std::numeric_limits<float>::quiet_NaN();
@@ -187,7 +221,7 @@ void RayPyramid::groupRays() {
     std::fill(inverse->end() - kBatch, inverse->end(), kNever);
   }
   for (std::size_t i = 0; i < ray_count_; ++i) {
-    const std::uint32_t place = starts_[static_cast<std::size_t>(p.cell[i])]++;  // moves every start to its end
+    const std::uint32_t place = starts_[static_cast<std::size_t>(p.place[i])]++;  // moves every start to its end
     inverse_x_[place] = p.inverse_x[i];
     inverse_y_[place] = p.inverse_y[i];
     inverse_z_[place] = p.inverse_z[i];
@@ -204,15 +238,16 @@ void RayPyramid::buildLevels() {
     Level& level = levels_[count];
     level.width = (w + 1) / 2;
     level.height = (h + 1) / 2;
-    level.blocks.resize(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
+    level.blocks.resize(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height) + kLanes);
     for (int y = 0; y < level.height; ++y) {
       const Range* a = &finer.blocks[static_cast<std::size_t>(2 * y) * static_cast<std::size_t>(w)];
       const Range* b = 2 * y + 1 < h ? a + w : a;
       Range* out = &level.blocks[static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width)];
       for (int x = 0; x < level.width; ++x) {
         const int l = 2 * x, r = std::min(2 * x + 1, w - 1);
-        out[x] = {std::min(std::min(a[l].lowest, a[r].lowest), std::min(b[l].lowest, b[r].lowest)),
-                  std::max(std::max(a[l].highest, a[r].highest), std::max(b[l].highest, b[r].highest))};
+        out[x] = {
+            std::max(std::max(a[l].minus_lowest, a[r].minus_lowest), std::max(b[l].minus_lowest, b[r].minus_lowest)),
+            std::max(std::max(a[l].highest, a[r].highest), std::max(b[l].highest, b[r].highest))};
       }
     }
     w = level.width;
