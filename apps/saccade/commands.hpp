@@ -12,5 +12,7 @@ void addSaliency(CLI::App& program);
 void addSimulate(CLI::App& program);
 void addEvaluate(CLI::App& program);
 void addTrain(CLI::App& program);
+void addExport(CLI::App& program);
+void addImport(CLI::App& program);
 
 }  // namespace saccade::app

@@ -33,6 +33,8 @@ int main(int argc, char** argv) {
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
   saccade::app::addTrain(program);
+  saccade::app::addExport(program);
+  saccade::app::addImport(program);
   try {
     program.parse(argc, argv);
     return kDone;
