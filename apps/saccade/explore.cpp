@@ -131,7 +131,7 @@ std::string progressText(const FrameReport& report, double frames_per_second) {
 /// The sinks that the options ask for. `session` is set if there is one among them.
 std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, const Explorer& explorer,
                                                   const SourceDescription& description, SessionSink*& session) {
-  const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_distortion));
+  const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_camera));
   std::vector<std::unique_ptr<FrameSink>> sinks;
   if (!options.session.empty()) {
     const auto when_exists = options.force ? WhenSessionExists::kReplace : WhenSessionExists::kRefuse;

@@ -78,6 +78,7 @@ ImageSequence::ImageSequence(FrameList list, const FrameRange& range, const std:
   description_.total_frames = static_cast<std::int64_t>(frames_.size());
   if (!labels.empty()) takeLabels(labels);
   selectRange(range);
+  description_.depth_was_registered = !calibration_.depth;
   settleCameras();
   describe();
   probe();
@@ -122,23 +123,34 @@ void ImageSequence::settleCameras() {
       }
     }
   }
-  if (!calibration_.color_distortion.isZero()) undistortion_.emplace(color, calibration_.color_distortion);
-  if (calibration_.depth) registration_.emplace(color, *calibration_.depth);
+  const DistortedCamera& real = description_.color_camera = {color, calibration_.color_distortion};
+  const PinholeCamera& ideal = description_.camera = idealCameraOf(real);
+  if (!real.distortion.isZero()) {
+    undistortion_.emplace(ideal, real);
+    // Depth that is registered to colour lies in the pixels of the distorted image: its rays are the colour lens'.
+    if (!calibration_.depth) calibration_.depth = DepthCamera{color, real.distortion, Pose::Identity()};
+  }
+  if (calibration_.depth) registration_.emplace(ideal, *calibration_.depth);
 }
 
 void ImageSequence::describe() {
-  description_.camera = calibration_.color;
-  description_.color_distortion = calibration_.color_distortion;
   description_.intrinsics_origin = calibration_.origin;
   description_.depth_units_per_metre = calibration_.depth_units_per_metre;
-  description_.depth_was_registered = !registration_;
   for (const FrameFiles& files : frames_) {
     description_.has_depth |= !files.depth.empty();
     description_.has_poses |= files.T_WC.has_value();
     description_.has_labels |= files.label.has_value();
   }
-  if (registration_) description_.remarks.emplace_back("depth is rendered into the colour camera");
-  if (undistortion_) description_.remarks.emplace_back("lens distortion of colour is removed");
+  if (!description_.depth_was_registered) {
+    description_.remarks.emplace_back("depth is rendered into the colour camera");
+  }
+  if (undistortion_) {
+    std::ostringstream remark;
+    remark.precision(1);
+    remark << std::fixed << "lens distortion is removed; fx " << calibration_.color.fx << " becomes "
+           << description_.camera.fx << ", so that no pixel is lost";
+    description_.remarks.push_back(remark.str());
+  }
 }
 
 // The first frames tell whether the input is what it seems; single bad ones are left to read().

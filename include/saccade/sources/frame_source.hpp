@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "saccade/core/camera.hpp"
+#include "saccade/core/distorted_camera.hpp"
 #include "saccade/core/frame.hpp"
-#include "saccade/core/lens_distortion.hpp"
 
 namespace saccade {
 
@@ -21,14 +21,14 @@ enum class ReadStatus {
 
 /// What a source understood about its input; shown to the user before the first frame is processed.
 struct SourceDescription {
-  std::string kind;                 ///< "7-Scenes folder", "TUM folder", "labelled frames", "simulated scene"
-  std::string location;             ///< path or URI as given
-  std::int64_t frames = 0;          ///< frames that `--range` selected, as far as known in advance; -1 for live inputs
-  std::int64_t total_frames = 0;    ///< frames of the whole input, before `--range`; -1 for live inputs
-  std::int64_t dropped = 0;         ///< colour images that found no depth partner, and the reverse
-  PinholeCamera camera;             ///< the colour camera C; every frame has this size
-  LensDistortion color_distortion;  ///< of the input's own colour images; frames are free of it
-  std::string intrinsics_origin;    ///< where the intrinsics come from, for people
+  std::string kind;               ///< "7-Scenes folder", "TUM folder", "labelled frames", "simulated scene"
+  std::string location;           ///< path or URI as given
+  std::int64_t frames = 0;        ///< frames that `--range` selected, as far as known in advance; -1 for live inputs
+  std::int64_t total_frames = 0;  ///< frames of the whole input, before `--range`; -1 for live inputs
+  std::int64_t dropped = 0;       ///< colour images that found no depth partner, and the reverse
+  PinholeCamera camera;           ///< the colour camera C; every frame has this size
+  DistortedCamera color_camera;   ///< of the input's own colour images, with its lens; frames are free of that
+  std::string intrinsics_origin;  ///< where the intrinsics come from, for people
   double depth_units_per_metre = 0.0;
   std::string depth_scale_origin;  ///< why this depth scale
   bool has_depth = false;
