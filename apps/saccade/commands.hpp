@@ -7,6 +7,7 @@ namespace saccade::app {
 
 void addExplore(CLI::App& program);
 void addInspect(CLI::App& program);
+void addRender(CLI::App& program);
 void addSaliency(CLI::App& program);
 void addSimulate(CLI::App& program);
 void addEvaluate(CLI::App& program);

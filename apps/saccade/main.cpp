@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   program.get_formatter()->column_width(34);
   saccade::app::addExplore(program);
   saccade::app::addInspect(program);
+  saccade::app::addRender(program);
   saccade::app::addSaliency(program);
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
