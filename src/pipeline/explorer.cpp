@@ -4,6 +4,7 @@
 #include <string>
 
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include "pipeline/stage_clock.hpp"
 #include "saccade/discovery/candidate_mask.hpp"
@@ -42,6 +43,8 @@ struct Explorer::Stages {
         surface(c.surface),
         motion(c.motion),
         tracker(c.tracking),
+        keyframes(c.keyframes),
+        extractor(c.features),
         renderer(c.rendering) {}
 
   ExplorerConfig config;
@@ -53,6 +56,8 @@ struct Explorer::Stages {
   SurfaceVolume surface;
   MotionPredictor motion;
   Tracker tracker;
+  KeyframeSet keyframes;
+  FeatureExtractor extractor;
   Renderer renderer;
   BackProjector projector;
   AttendLog log;
@@ -65,6 +70,7 @@ struct Explorer::Stages {
   [[nodiscard]] std::vector<StageTime> perceptionTimes() const;
   Tracking track(double stamp_s, StageClock& clock);
   const IorView* mapFrame(const RgbdFrame& frame, const Tracking& tracking, StageClock& clock);
+  [[nodiscard]] bool becomesKeyframe(const Tracking& tracking) const;
   void attend(FrameReport& report);
 };
 
@@ -90,6 +96,10 @@ const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const Tracking
     forgotten = clock.time("integrate map", [&] { return map.integrate(depth, frame.color, tracking.T_WC).forgotten; });
   }
   return clock.time("2D IOR map", [&] { return &renderer.renderIor(map.view(), camera, tracking.T_WC); });
+}
+
+bool Explorer::Stages::becomesKeyframe(const Tracking& tracking) const {
+  return tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty() && keyframes.wants(tracking.T_WC);
 }
 
 /// Attends the leaves that the masks of the best candidates show, which closes the tick (paper, "3D IOR map update").
@@ -131,6 +141,9 @@ const IorMap& Explorer::map() const {
 }
 const SurfaceVolume& Explorer::surface() const {
   return stages_->surface;
+}
+const KeyframeSet& Explorer::keyframes() const {
+  return stages_->keyframes;
 }
 const AttendLog& Explorer::attendLog() const {
   return stages_->log;
@@ -190,6 +203,13 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
   report.seen = &s.seen;
   report.depth = has_depth ? &s.depth : nullptr;
 
+  tbb::task_group remembering;  // a keyframe's features: beside the ranking, which needs one thread
+  if (s.becomesKeyframe(report.tracking)) {
+    remembering.run([&] {
+      report.keyframe = std::make_shared<const Keyframe>(
+          Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, s.depth)});
+    });
+  }
   Candidates pool = clock.time("propose", [&] { return proposeCandidates(s.seen, s.config.discovery.proposal); });
   const cv::Mat1b inhibited_pixels = report.ior != nullptr ? report.ior->inhibited : cv::Mat1b();
   InhibitionSplit split = clock.time("inhibit", [&] {
@@ -200,6 +220,8 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
   report.inhibited = std::move(split.inhibited);
 
   if (report.tracking.status != TrackingStatus::kLost) clock.time("attend", [&] { s.attend(report); });
+  remembering.wait();
+  if (report.keyframe) s.keyframes.add(report.keyframe);
   report.tick = s.map.now();
   report.stages = s.perceptionTimes();
   report.stages.insert(report.stages.end(), clock.stages().begin(), clock.stages().end());

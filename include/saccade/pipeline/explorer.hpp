@@ -38,6 +38,7 @@ class Explorer {
   [[nodiscard]] const IorMap& map() const;
   [[nodiscard]] const SurfaceVolume& surface() const;
   [[nodiscard]] const AttendLog& attendLog() const;
+  [[nodiscard]] const KeyframeSet& keyframes() const;
   [[nodiscard]] const ExplorerConfig& config() const;
   [[nodiscard]] const PinholeCamera& camera() const;
 

@@ -6,6 +6,8 @@
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/surface_volume.hpp"
 #include "saccade/rendering/renderer.hpp"
+#include "saccade/tracking/frame_features.hpp"
+#include "saccade/tracking/keyframe_set.hpp"
 #include "saccade/tracking/motion_predictor.hpp"
 #include "saccade/tracking/tracker.hpp"
 
@@ -20,6 +22,8 @@ struct ExplorerConfig {
   SurfaceVolumeConfig surface;
   MotionPredictorConfig motion;
   TrackerConfig tracking;
+  KeyframeConfig keyframes;
+  FeatureExtractorConfig features;
 
   void describe(ConfigVisitor& visitor) {
     visitor.section("depth", depth, "preparation of the depth image");
@@ -29,6 +33,8 @@ struct ExplorerConfig {
     visitor.section("surface", surface, "the surface volume that tracking looks at");
     visitor.section("motion", motion, "prediction of the camera's motion");
     visitor.section("tracking", tracking, "ICP, frame to model");
+    visitor.section("keyframes", keyframes, "which tracked frames are remembered, to find a place again");
+    visitor.section("features", features, "point features of keyframes");
   }
 
   /// Switches off everything in discovery and attention that goes beyond the paper.
