@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_group.h>
@@ -45,6 +46,7 @@ struct Explorer::Stages {
         tracker(c.tracking),
         keyframes(c.keyframes),
         extractor(c.features),
+        relocaliser(c.relocalisation, c.verification, c.tracking),
         renderer(c.rendering) {}
 
   ExplorerConfig config;
@@ -58,6 +60,7 @@ struct Explorer::Stages {
   Tracker tracker;
   KeyframeSet keyframes;
   FeatureExtractor extractor;
+  Relocaliser relocaliser;
   Renderer renderer;
   BackProjector projector;
   AttendLog log;
@@ -69,6 +72,8 @@ struct Explorer::Stages {
 
   [[nodiscard]] std::vector<StageTime> perceptionTimes() const;
   Tracking track(double stamp_s, StageClock& clock);
+  void relocalise(const RgbdFrame& frame, FrameReport& report, StageClock& clock);
+  void remember(std::shared_ptr<const Keyframe> keyframe);
   const IorView* mapFrame(const RgbdFrame& frame, const Tracking& tracking, StageClock& clock);
   [[nodiscard]] bool becomesKeyframe(const Tracking& tracking) const;
   void attend(FrameReport& report);
@@ -85,6 +90,21 @@ Tracking Explorer::Stages::track(double stamp_s, StageClock& clock) {
   }
   clock.time("model view", [&] { surface.rayCast(camera.reducedBy(kModelReduction), prediction, model); });
   return clock.time("track", [&] { return tracker.track(depth, model, prediction); });
+}
+
+/// Looks for a lost camera among the keyframes. If the surface verifies a place, tracking goes on from there.
+void Explorer::Stages::relocalise(const RgbdFrame& frame, FrameReport& report, StageClock& clock) {
+  if (report.tracking.status != TrackingStatus::kLost || depth.depth_m.empty() || keyframes.all().empty()) return;
+  const auto place =
+      clock.time("relocalise", [&] { return relocaliser.find(extractor.extract(frame.color, depth), depth, surface); });
+  if (!place) return;
+  report.tracking = place->tracking;
+  report.relocalised = true;
+}
+
+void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
+  relocaliser.add(keyframe);
+  keyframes.add(std::move(keyframe));
 }
 
 /// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost.
@@ -198,7 +218,9 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
   tbb::parallel_invoke([&] { s.perceiver.perceive(frame.color, has_depth ? &s.depth : nullptr, s.seen); },
                        [&] {
                          report.tracking = believed ? *believed : s.track(frame.stamp_s, clock);
+                         if (!believed) s.relocalise(frame, report, clock);
                          report.ior = s.mapFrame(frame, report.tracking, clock);
+                         if (report.relocalised) s.motion.rest();  // the jump was no motion
                        });
   report.seen = &s.seen;
   report.depth = has_depth ? &s.depth : nullptr;
@@ -221,7 +243,7 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
 
   if (report.tracking.status != TrackingStatus::kLost) clock.time("attend", [&] { s.attend(report); });
   remembering.wait();
-  if (report.keyframe) s.keyframes.add(report.keyframe);
+  if (report.keyframe) s.remember(report.keyframe);
   report.tick = s.map.now();
   report.stages = s.perceptionTimes();
   report.stages.insert(report.stages.end(), clock.stages().begin(), clock.stages().end());

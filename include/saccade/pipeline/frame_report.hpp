@@ -29,7 +29,8 @@ struct FrameReport {
   std::string name;
   double stamp_s = 0.0;
   Tracking tracking;
-  Tick tick;  ///< the map's tick after the frame
+  bool relocalised = false;  ///< tracking lost the camera, but the keyframes and the surface say where it is
+  Tick tick;                 ///< the map's tick after the frame
 
   Candidates open;  ///< by falling score, at most 255; the first `attended` of them were attended
   std::size_t attended = 0;
