@@ -188,7 +188,7 @@ void run(const Options& options) {
   if (!options.model.empty()) model = RankerModel::load(options.model);
   Explorer explorer(config, description.camera, model);
   SessionSink* session = nullptr;
-  const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_distortion));
+  const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_camera));
   const auto sinks = makeSinks(options, explorer, outliner, session);
 
   catchInterrupts();

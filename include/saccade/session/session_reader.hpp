@@ -22,6 +22,7 @@ class SessionReader {
   SessionReader& operator=(const SessionReader&) = delete;
 
   [[nodiscard]] const SessionMetadata& metadata() const { return metadata_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// All frames in the order of processing.
   [[nodiscard]] std::vector<FrameRecord> frames() const;
   /// The attended candidates of one frame by rank.
