@@ -130,11 +130,17 @@ std::string progressText(const FrameReport& report, double frames_per_second) {
 
 /// The sinks that the options ask for. `session` is set if there is one among them.
 std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, const Explorer& explorer,
-                                                  const CandidateOutliner& outliner, SessionSink*& session) {
+                                                  const SourceDescription& description, SessionSink*& session) {
+  const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_camera));
   std::vector<std::unique_ptr<FrameSink>> sinks;
   if (!options.session.empty()) {
     const auto when_exists = options.force ? WhenSessionExists::kReplace : WhenSessionExists::kRefuse;
-    auto sink = std::make_unique<SessionSink>(options.session, when_exists, explorer, outliner);
+    RunRecord run;
+    run.input = options.input;
+    run.input_kind = description.kind;
+    run.started_utc = utcNow();
+    run.saccade_version = kVersion;
+    auto sink = std::make_unique<SessionSink>(options.session, when_exists, explorer, outliner, std::move(run));
     session = sink.get();
     sinks.push_back(std::move(sink));
   }
@@ -188,8 +194,7 @@ void run(const Options& options) {
   if (!options.model.empty()) model = RankerModel::load(options.model);
   Explorer explorer(config, description.camera, model);
   SessionSink* session = nullptr;
-  const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_distortion));
-  const auto sinks = makeSinks(options, explorer, outliner, session);
+  const auto sinks = makeSinks(options, explorer, description, session);
 
   catchInterrupts();
   RunTotals totals;
@@ -202,6 +207,7 @@ void run(const Options& options) {
     if (status == ReadStatus::kEnd) break;
     if (status == ReadStatus::kSkip) {
       ++totals.skipped;
+      if (session != nullptr) session->noteSkipped();
       progress.clear();
       std::cerr << "skipped: " << source.skipReason() << "\n";
       continue;
@@ -216,17 +222,7 @@ void run(const Options& options) {
   const double elapsed_s = elapsed();
   if (totals.frames == 0) throw IoError(options.input, "at least one usable frame", "none");
 
-  if (session != nullptr) {
-    SessionMetadata metadata;
-    metadata.saccade_version = kVersion;
-    metadata.created_utc = utcNow();
-    metadata.input = options.input;
-    metadata.input_kind = description.kind;
-    metadata.frames_read = totals.frames;
-    metadata.frames_skipped = totals.skipped;
-    metadata.interrupted = interrupted();
-    session->setMetadata(metadata);
-  }
+  if (session != nullptr && interrupted()) session->noteInterrupted();
   for (const auto& sink : sinks) sink->finish();
   if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
   printTotals(totals, explorer, elapsed_s);

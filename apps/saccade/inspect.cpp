@@ -64,7 +64,7 @@ void printJson(const Summary& s) {
       {"input", s.metadata.input},
       {"input_kind", s.metadata.input_kind},
       {"file_bytes", s.file_bytes},
-      {"interrupted", s.metadata.interrupted},
+      {"state", nameOf(s.metadata.state)},
       {"camera",
        {{"width", camera.width},
         {"height", camera.height},
@@ -89,11 +89,23 @@ void printJson(const Summary& s) {
   std::cout << json.dump(2) << "\n";
 }
 
+const char* stateText(SessionState state) {
+  switch (state) {
+    case SessionState::kExploring:
+      return ", still being written or cut off; whole up to its last checkpoint";
+    case SessionState::kComplete:
+      return "";
+    case SessionState::kInterrupted:
+      return ", ended early by hand";
+  }
+  return "";
+}
+
 void printText(const Summary& s, const std::string& path) {
   const PinholeCamera& camera = s.metadata.camera;
   std::cout << path << ": a session of " << s.metadata.input << " (" << s.metadata.input_kind << "), written "
-            << s.metadata.created_utc << " by saccade " << s.metadata.saccade_version
-            << (s.metadata.interrupted ? ", ended early by hand" : "") << "\n";
+            << s.metadata.created_utc << " by saccade " << s.metadata.saccade_version << stateText(s.metadata.state)
+            << "\n";
   std::cout << alignedTable({
       {"frames", grouped(s.frames) + " (" + grouped(s.tracked) + " tracked, " + grouped(s.weak) + " weak, " +
                      grouped(s.lost) + " lost, " + grouped(s.metadata.frames_skipped) + " skipped)"},

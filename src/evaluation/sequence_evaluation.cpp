@@ -70,7 +70,7 @@ RunRecording run(FrameSource& source, const std::string& name, const ExplorerCon
                  const std::function<void(const Explorer&)>& finish) {
   const SourceDescription& description = source.description();
   Explorer explorer(config, description.camera, options.model);
-  RecordingSink sink(CandidateOutliner(DistortedPixels(description.camera, description.color_distortion)));
+  RecordingSink sink(CandidateOutliner(DistortedPixels(description.camera, description.color_camera)));
   RgbdFrame frame;
   std::int64_t done = 0;
   for (ReadStatus status = source.read(frame); status != ReadStatus::kEnd; status = source.read(frame)) {
@@ -88,7 +88,7 @@ RunRecording run(FrameSource& source, const std::string& name, const ExplorerCon
 FirstRun runWithoutInhibition(const std::string& input, const SequenceOptions& options) {
   ReadAhead source(open(input, options));
   const SourceDescription& description = source.description();
-  const DistortedPixels pixels(description.camera, description.color_distortion);
+  const DistortedPixels pixels(description.camera, description.color_camera);
   LabelCollector labels(options, pixels);
   FirstRun first;
   std::vector<PosedFrame> posed;

@@ -1,5 +1,6 @@
 #include "saccade/map/map_tiles.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -47,21 +48,22 @@ bool hasPayload(MapNode leaf) {
 
 class TileWriter {
  public:
-  explicit TileWriter(std::vector<std::byte>& out) : out_(out) {}
+  explicit TileWriter(std::vector<std::byte>& out) : out_(out), size_(out.size()) {}
 
   void writeRoot(MapNode root) {
     put(kVersion);
     const Kind kind = !root.isLeaf() ? kInner : hasPayload(root) ? kLeafWithPayload : kPlainLeaf;
     put(kind);
     kind == kInner ? writeInner(root) : writeLeaf(root, kind == kLeafWithPayload);
+    out_.resize(size_);
   }
 
  private:
   template <typename T>
   void put(const T& value) {
-    const std::size_t end = out_.size();
-    out_.resize(end + sizeof(T));
-    std::memcpy(out_.data() + end, &value, sizeof(T));
+    if (out_.size() - size_ < sizeof(T)) out_.resize(std::max(std::size_t{4096}, 2 * out_.size()));
+    std::memcpy(out_.data() + size_, &value, sizeof(T));
+    size_ += sizeof(T);
   }
   void writeLeaf(MapNode leaf, bool payload) {
     put(leaf.logOdds());
@@ -91,6 +93,7 @@ class TileWriter {
   }
 
   std::vector<std::byte>& out_;
+  std::size_t size_;  // what is written; out_ is longer meanwhile
 };
 
 /// Reads one tile; with a null tree it only checks.
@@ -165,6 +168,25 @@ void collectTiles(MapNode node, const NodeKey& key, int depth, std::vector<NodeK
   }
 }
 
+void takeChanges(IorOcTreeNode* node, const NodeKey& key, int depth, std::vector<TileChange>& tiles) {
+  const bool changed = node->isLeaf() || node->changedBelow();
+  if (node->isLeaf() || key.depth == depth) {
+    if (!node->isLeaf()) node->clearChanged();
+    tiles.push_back({key, MapNode(node), changed});
+    return;
+  }
+  node->clearChanged();
+  for (unsigned i = 0; i < 8; ++i) {
+    if ((node->childMask() >> i & 1u) != 0) takeChanges(node->child(i), childKey(key, i), depth, tiles);
+  }
+}
+
+void requireTileDepth(int depth) {
+  if (depth < 0 || depth > MapTree::kDepth) {
+    throw std::invalid_argument("tiles at depth " + std::to_string(depth) + ", possible are 0 to 16");
+  }
+}
+
 bool isSound(const NodeKey& key) {
   if (key.depth < 0 || key.depth > MapTree::kDepth) return false;
   const unsigned low_bits = (1u << (MapTree::kDepth - key.depth)) - 1u;
@@ -189,12 +211,22 @@ IorOcTreeNode* makePlace(IorOcTree& tree, const NodeKey& key) {
 }  // namespace
 
 std::vector<NodeKey> listTiles(const IorMap& map, int depth) {
-  if (depth < 0 || depth > MapTree::kDepth) {
-    throw std::invalid_argument("tiles at depth " + std::to_string(depth) + ", possible are 0 to 16");
-  }
+  requireTileDepth(depth);
   std::vector<NodeKey> tiles;
   if (map.view().root) collectTiles(map.view().root, {}, depth, tiles);
   return tiles;
+}
+
+std::vector<TileChange> takeTileChanges(IorMap& map, int depth) {
+  requireTileDepth(depth);
+  std::vector<TileChange> tiles;
+  IorOcTreeNode* root = map.tree().getRoot();
+  if (root != nullptr) takeChanges(root, {}, depth, tiles);
+  return tiles;
+}
+
+void appendTile(MapNode node, std::vector<std::byte>& out) {
+  TileWriter(out).writeRoot(node);
 }
 
 std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root) {
@@ -207,7 +239,7 @@ std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root) {
   }
   if (!found) throw std::invalid_argument("the map holds no " + nameOf(root));
   std::vector<std::byte> data;
-  TileWriter(data).writeRoot(node);
+  appendTile(node, data);
   return data;
 }
 

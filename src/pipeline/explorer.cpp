@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <tbb/parallel_invoke.h>
 
@@ -126,7 +127,17 @@ Explorer::Explorer(const ExplorerConfig& config, const PinholeCamera& camera, co
 
 Explorer::~Explorer() = default;
 
+void Explorer::restore(ExplorerMemory memory) {
+  stages_->map = std::move(memory.map);
+  stages_->surface = std::move(memory.surface);
+  stages_->log = std::move(memory.log);
+  stages_->motion.restore(memory.motion);
+}
+
 const IorMap& Explorer::map() const {
+  return stages_->map;
+}
+IorMap& Explorer::map() {
   return stages_->map;
 }
 const SurfaceVolume& Explorer::surface() const {
@@ -134,6 +145,9 @@ const SurfaceVolume& Explorer::surface() const {
 }
 const AttendLog& Explorer::attendLog() const {
   return stages_->log;
+}
+const MotionPredictor::State& Explorer::motion() const {
+  return stages_->motion.state();
 }
 const ExplorerConfig& Explorer::config() const {
   return stages_->config;

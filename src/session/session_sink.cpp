@@ -27,10 +27,11 @@ FrameRecord recordOf(const FrameReport& report) {
   return record;
 }
 
-CandidateRecord recordOf(const FrameReport& report, std::size_t rank, const CandidateOutliner& outliner) {
+CandidateRecord recordOf(const FrameReport& report, FrameOrdinal ordinal, std::size_t rank,
+                         const CandidateOutliner& outliner) {
   const Candidate& candidate = report.open[rank];
   CandidateRecord record;
-  record.frame = report.index;
+  record.frame = ordinal;
   record.rank = static_cast<int>(rank);
   record.score = candidate.score;
   record.source = sourceName(candidate.source);
@@ -50,13 +51,26 @@ CandidateRecord recordOf(const FrameReport& report, std::size_t rank, const Cand
 }  // namespace
 
 SessionSink::SessionSink(const std::filesystem::path& path, WhenSessionExists when_exists, const Explorer& explorer,
-                         CandidateOutliner outliner)
-    : explorer_(explorer), writer_(path, when_exists), outliner_(std::move(outliner)) {}
+                         CandidateOutliner outliner, RunRecord run)
+    : explorer_(explorer), writer_(path, when_exists), outliner_(std::move(outliner)) {
+  writer_.addRun(run);
+  metadata_.saccade_version = std::move(run.saccade_version);
+  metadata_.created_utc = std::move(run.started_utc);
+  metadata_.input = std::move(run.input);
+  metadata_.input_kind = std::move(run.input_kind);
+}
 
 void SessionSink::accept(const RgbdFrame& /*frame*/, const FrameReport& report) {
-  writer_.addFrame(recordOf(report));
+  ++metadata_.frames_read;
+  const FrameOrdinal ordinal = writer_.addFrame(recordOf(report));
+  MetricsRecord metrics;
+  metrics.ordinal = ordinal;
+  for (const StageTime& stage : report.stages) metrics.stages_ms.emplace_back(stage.stage, stage.ms);
+  writer_.addMetrics(metrics);
   outliner_.begin(*report.seen);
-  for (std::size_t rank = 0; rank < report.attended; ++rank) writer_.addCandidate(recordOf(report, rank, outliner_));
+  for (std::size_t rank = 0; rank < report.attended; ++rank) {
+    writer_.addCandidate(recordOf(report, ordinal, rank, outliner_));
+  }
 }
 
 void SessionSink::finish() {

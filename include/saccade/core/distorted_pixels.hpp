@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "saccade/core/camera.hpp"
-#include "saccade/core/lens_distortion.hpp"
+#include "saccade/core/distorted_camera.hpp"
 
 namespace saccade {
 
@@ -14,8 +14,11 @@ namespace saccade {
 /// pixel: the inverse of what a source does when it removes lens distortion. Owns a table of 4 bytes a pixel.
 class DistortedPixels {
  public:
-  /// Without distortion the images are the same. Throws std::invalid_argument on an empty camera.
-  DistortedPixels(const PinholeCamera& camera, const LensDistortion& distortion);
+  /// `ideal`: C; `real`: the input's own camera, of the same size. Images are the same where `real` has no distortion
+  /// and is C. Throws std::invalid_argument on an empty camera or another size.
+  DistortedPixels(const PinholeCamera& ideal, const DistortedCamera& real);
+  /// For an input whose own camera is C.
+  explicit DistortedPixels(const PinholeCamera& ideal) : DistortedPixels(ideal, {ideal, {}}) {}
 
   [[nodiscard]] bool areIdeal() const { return ideal_pixel_.empty(); }
   [[nodiscard]] cv::Size size() const { return size_; }
@@ -24,7 +27,7 @@ class DistortedPixels {
   /// what C does not. Throws std::invalid_argument for an image of another size.
   template <typename T>
   void distort(const cv::Mat_<T>& ideal, cv::Mat_<T>& distorted, T outside) const {
-    requireSize(ideal);
+    requireSize(ideal.size());
     if (areIdeal()) {
       ideal.copyTo(distorted);
       return;
@@ -40,7 +43,7 @@ class DistortedPixels {
   }
 
  private:
-  void requireSize(const cv::Mat& image) const;
+  void requireSize(const cv::Size& size) const;
 
   cv::Size size_;
   std::vector<std::int32_t> ideal_pixel_;  ///< of each pixel of the input: its position in C's image, or -1

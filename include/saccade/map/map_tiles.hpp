@@ -29,6 +29,20 @@ struct MapTile {
 /// equal bytes. Throws std::invalid_argument where the map has no such node.
 [[nodiscard]] std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root);
 
+/// The same bytes of the subtree under `node`, put behind what `out` holds.
+void appendTile(MapNode node, std::vector<std::byte>& out);
+
+/// One tile of a map and whether it may have changed.
+struct TileChange {
+  NodeKey root;
+  MapNode node;  ///< valid until the map is changed
+  bool changed = false;
+};
+
+/// The tiles as listTiles() lists them, each with whether it may have changed since the last call (at the first one:
+/// all). Tiles that are one leaf always count as changed. Cost: the nodes above the tiles.
+[[nodiscard]] std::vector<TileChange> takeTileChanges(IorMap& map, int depth = kTileDepth);
+
 /// All tiles of the map.
 [[nodiscard]] std::vector<MapTile> encodeTiles(const IorMap& map, int depth = kTileDepth);
 

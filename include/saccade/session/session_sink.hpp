@@ -13,17 +13,19 @@ namespace saccade {
 /// attention memory, the surface volume and the attend log at the end.
 class SessionSink final : public FrameSink {
  public:
-  /// `explorer` must outlive the sink; `outliner`: that of the input's camera and lens. Throws IoError as SessionWriter
-  /// does.
+  /// `explorer` must outlive the sink; `outliner`: that of the input's camera and lens; `run`: where the frames come
+  /// from. Throws IoError as SessionWriter does.
   SessionSink(const std::filesystem::path& path, WhenSessionExists when_exists, const Explorer& explorer,
-              CandidateOutliner outliner);
+              CandidateOutliner outliner, RunRecord run);
 
   void accept(const RgbdFrame& frame, const FrameReport& report) override;
-  /// Writes the map and gives the file its name. setMetadata() must have been called.
+  /// Writes the map and gives the file its name.
   void finish() override;
 
-  /// What the session says about itself; camera, tick, leaves and config are filled in here from the explorer.
-  void setMetadata(const SessionMetadata& metadata) { metadata_ = metadata; }
+  /// Counts a frame of the input that could not be used.
+  void noteSkipped() { ++metadata_.frames_skipped; }
+  /// The exploration ends by hand rather than by the end of the input.
+  void noteInterrupted() { metadata_.state = SessionState::kInterrupted; }
 
  private:
   const Explorer& explorer_;

@@ -7,6 +7,8 @@
 
 namespace saccade {
 
+class SessionDatabase;
+
 enum class WhenSessionExists { kRefuse, kReplace };
 
 /// Tables of a session that hold parts of the map as blobs.
@@ -26,19 +28,28 @@ class SessionWriter {
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  void addFrame(const FrameRecord& frame);
+  /// Begins a run: the frames to come belong to it. `run` and `first` are filled in.
+  void addRun(const RunRecord& run);
+  /// The ordinal that the frame was given.
+  FrameOrdinal addFrame(const FrameRecord& frame);
+  void addMetrics(const MetricsRecord& metrics);
   void addCandidate(const CandidateRecord& candidate);
+  void addKeyframe(const KeyframeRecord& keyframe);
   void addBlob(BlobTable table, const BlobRecord& blob);
   /// Writes the metadata, makes the file durable and gives it its name. Nothing can be added afterwards.
   void finish(const SessionMetadata& metadata);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// The open file, for stages that keep tables of their own in it (src/session/session_database.hpp); until finish().
+  [[nodiscard]] SessionDatabase& database() { return *database_; }
 
  private:
-  struct Database;
+  struct Statements;
   std::filesystem::path path_;
   std::filesystem::path partial_;
-  std::unique_ptr<Database> database_;
+  std::unique_ptr<SessionDatabase> database_;
+  std::unique_ptr<Statements> statements_;
+  std::int64_t next_ordinal_ = 0;
 };
 
 }  // namespace saccade

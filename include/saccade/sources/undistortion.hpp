@@ -3,19 +3,21 @@
 #include <opencv2/core.hpp>
 
 #include "saccade/core/camera.hpp"
-#include "saccade/sources/camera_calibration.hpp"
+#include "saccade/core/distorted_camera.hpp"
 
 namespace saccade {
 
-/// Removes the lens distortion of one camera from its images: the result is an ideal pinhole image with the same
-/// intrinsics. Pixels that look past the edge of the distorted image are black (label 0).
+/// Removes the lens distortion of one camera from its images: the result is the image of an ideal pinhole camera, as
+/// idealCameraOf() gives. Pixels that look past the edge of the distorted image repeat its edge, so that no frame of
+/// another colour catches the eye; their label is 0.
 ///
 /// Owns the fixed-point maps (6 bytes a pixel). Colour is interpolated, labels take the nearest pixel. Depth is not its
 /// business: DepthRegistration handles the distortion of a depth camera.
 class Undistortion {
  public:
-  /// Makes a filter that only copies where `distortion` is zero. Throws std::invalid_argument on an empty camera.
-  Undistortion(const PinholeCamera& camera, const LensDistortion& distortion);
+  /// Both cameras are of one size. Makes a filter that only copies where `real` has no distortion and is `ideal`.
+  /// Throws std::invalid_argument on an empty camera or different sizes.
+  Undistortion(const PinholeCamera& ideal, const DistortedCamera& real);
 
   [[nodiscard]] bool isIdentity() const { return identity_; }
 
@@ -25,7 +27,7 @@ class Undistortion {
   void undistort(const cv::Mat1w& distorted_label, cv::Mat1w& ideal_label) const;
 
  private:
-  void requireSize(const cv::Mat& image) const;
+  void requireSize(const cv::Size& size) const;
 
   cv::Size size_;
   bool identity_ = true;

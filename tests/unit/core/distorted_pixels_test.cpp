@@ -1,5 +1,6 @@
 #include "saccade/core/distorted_pixels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -12,6 +13,7 @@ namespace {
 
 const PinholeCamera kCamera{160, 120, 130.0, 131.0, 79.0, 60.5};
 const LensDistortion kLens{-0.2, 0.05, 0.001, -0.002, 0.01};
+const DistortedCamera kReal{kCamera, kLens};
 
 TEST(LensDistortion, UndistortIsTheInverseOfDistort) {
   constexpr double kTolerance = 1e-6;  // as documented; 1e-3 px at 1000 px focal length
@@ -32,9 +34,9 @@ TEST(DistortedPixels, TakesBackWhatUndistortionRemoved) {
     for (int u = 0; u < seen.cols; ++u) seen(v, u) = static_cast<std::uint16_t>(1 + u / 40 + 4 * (v / 40));
   }
   cv::Mat1w ideal, back;
-  Undistortion(kCamera, kLens).undistort(seen, ideal);
+  Undistortion(kCamera, kReal).undistort(seen, ideal);
   EXPECT_GT(cv::countNonZero(ideal != seen), seen.total() / 50);  // the lens does something
-  DistortedPixels(kCamera, kLens).distort(ideal, back, std::uint16_t{0});
+  DistortedPixels(kCamera, kReal).distort(ideal, back, std::uint16_t{0});
   int wrong = 0;
   for (int v = 0; v < seen.rows; ++v) {
     for (int u = 0; u < seen.cols; ++u) {
@@ -47,8 +49,39 @@ TEST(DistortedPixels, TakesBackWhatUndistortionRemoved) {
   EXPECT_GT(cv::countNonZero(back), seen.total() * 85 / 100);
 }
 
+TEST(IdealCamera, ShowsEveryPixelOfABarrelLens) {
+  const PinholeCamera ideal = idealCameraOf(kReal);
+  EXPECT_LT(ideal.fx, kCamera.fx);
+  EXPECT_DOUBLE_EQ(ideal.fx / ideal.fy, kCamera.fx / kCamera.fy);
+  const cv::Mat1b all(kCamera.height, kCamera.width, std::uint8_t{1});
+  cv::Mat1b back;
+  DistortedPixels(ideal, kReal).distort(all, back, std::uint8_t{0});
+  EXPECT_EQ(cv::countNonZero(back), kCamera.width * kCamera.height);
+  // No wider than needed: along one axis the outermost rays lie on the two borders.
+  double low_u = 1e9, high_u = -1e9, low_v = 1e9, high_v = -1e9;
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      const auto [x, y] = kLens.undistort((u - kCamera.cx) / kCamera.fx, (v - kCamera.cy) / kCamera.fy);
+      low_u = std::min(low_u, ideal.fx * x + ideal.cx);
+      high_u = std::max(high_u, ideal.fx * x + ideal.cx);
+      low_v = std::min(low_v, ideal.fy * y + ideal.cy);
+      high_v = std::max(high_v, ideal.fy * y + ideal.cy);
+    }
+  }
+  const double tolerance = 1e-6;  // rounding
+  EXPECT_NEAR(std::max(high_u - low_u - (kCamera.width - 1), high_v - low_v - (kCamera.height - 1)), 0.0, tolerance);
+}
+
+TEST(IdealCamera, IsTheCameraItselfWhereNothingWouldBeLost) {
+  EXPECT_EQ(idealCameraOf({kCamera, {}}), kCamera);
+  const PinholeCamera centred{160, 120, 130.0, 130.0, 79.5, 59.5};
+  const LensDistortion pincushion{0.1, 0.0, 0.0, 0.0, 0.0};
+  EXPECT_EQ(idealCameraOf({centred, pincushion}), centred);
+  EXPECT_THROW((void)idealCameraOf({}), std::invalid_argument);
+}
+
 TEST(DistortedPixels, WithoutDistortionCopies) {
-  const DistortedPixels pixels(kCamera, {});
+  const DistortedPixels pixels(kCamera);
   EXPECT_TRUE(pixels.areIdeal());
   const cv::Mat1i image(kCamera.height, kCamera.width, 7);
   cv::Mat1i copy;
@@ -58,9 +91,9 @@ TEST(DistortedPixels, WithoutDistortionCopies) {
 }
 
 TEST(DistortedPixels, RefusesEmptyCamerasAndImagesOfAnotherSize) {
-  EXPECT_THROW(DistortedPixels({}, kLens), std::invalid_argument);
+  EXPECT_THROW(DistortedPixels({}, kReal), std::invalid_argument);
   cv::Mat1i out;
-  EXPECT_THROW(DistortedPixels(kCamera, kLens).distort(cv::Mat1i(4, 4, 1), out, 0), std::invalid_argument);
+  EXPECT_THROW(DistortedPixels(kCamera, kReal).distort(cv::Mat1i(4, 4, 1), out, 0), std::invalid_argument);
 }
 
 }  // namespace

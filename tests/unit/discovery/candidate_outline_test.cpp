@@ -32,7 +32,7 @@ struct Scene {
 
 TEST(CandidateOutline, OfAnIdealInputIsTheCandidatesOwn) {
   const Scene scene(2);
-  CandidateOutliner outliner(DistortedPixels(kCamera, {}));
+  CandidateOutliner outliner{DistortedPixels(kCamera)};
   outliner.begin(scene.seen);
   const CandidateOutline outline = outliner.outline(scene.candidate);
   cv::Mat1b mask;
@@ -42,7 +42,7 @@ TEST(CandidateOutline, OfAnIdealInputIsTheCandidatesOwn) {
 }
 
 TEST(CandidateOutline, OfADistortedInputIsTheDistortedMaskAndItsBox) {
-  const DistortedPixels pixels(kCamera, LensDistortion{-0.25, 0.06, 0.0, 0.0, 0.0});
+  const DistortedPixels pixels(kCamera, {kCamera, LensDistortion{-0.25, 0.06, 0.0, 0.0, 0.0}});
   CandidateOutliner outliner(pixels);
   for (unsigned seed = 0; seed < 6; ++seed) {
     const Scene scene(seed);

@@ -60,7 +60,7 @@ LabelFrames onlyEvery(const Sequence& sequence, std::size_t n) {
 TEST(PropagateLabels, AgreesWithTheTruthOfTheFramesBetween) {
   Sequence sequence;
   walkAlong(sequence, test::cornerWithBalls(), 9);
-  const DistortedPixels ideal(sequence.camera, {});
+  const DistortedPixels ideal(sequence.camera);
   const LabelFrames given = onlyEvery(sequence, 4);
   const LabelFrames all = propagateLabels(sequence.map, sequence.camera, ideal, sequence.frames, given);
   EXPECT_EQ(all.size(), sequence.frames.size());
@@ -74,7 +74,7 @@ TEST(PropagateLabels, AgreesWithTheTruthOfTheFramesBetween) {
 TEST(PropagateLabels, WorksInThePixelsOfAnInputWithLensDistortion) {
   Sequence sequence;
   walkAlong(sequence, test::cornerWithBalls(), 5);
-  const DistortedPixels pixels(sequence.camera, LensDistortion{-0.15, 0.03, 0.0, 0.0, 0.0});
+  const DistortedPixels pixels(sequence.camera, {sequence.camera, LensDistortion{-0.15, 0.03, 0.0, 0.0, 0.0}});
   LabelFrames truth, given;
   for (const PosedFrame& frame : sequence.frames) {
     cv::Mat1w distorted;
@@ -89,7 +89,7 @@ TEST(PropagateLabels, WorksInThePixelsOfAnInputWithLensDistortion) {
 TEST(PropagateLabels, RefusesASequenceWithoutLabels) {
   Sequence sequence;
   walkAlong(sequence, test::cornerWithBalls(), 1);
-  const DistortedPixels ideal(sequence.camera, {});
+  const DistortedPixels ideal(sequence.camera);
   EXPECT_THROW((void)propagateLabels(sequence.map, sequence.camera, ideal, sequence.frames, {}), std::invalid_argument);
 }
 

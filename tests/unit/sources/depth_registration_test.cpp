@@ -189,7 +189,7 @@ TEST(DepthRegistration, TakesNanNegativeAndInfiniteDepthAsUnmeasured) {
 TEST(Undistortion, MovesEveryPointToItsIdealPlace) {
   const PinholeCamera camera{640, 480, 520, 520, 320, 240};
   const LensDistortion lens{-0.2, 0.05, 0.001, 0.002, 0.01};
-  const Undistortion undistortion(camera, lens);
+  const Undistortion undistortion(camera, {camera, lens});
   for (const cv::Point ideal : {cv::Point(100, 80), cv::Point(320, 240), cv::Point(560, 400)}) {
     const auto [x, y] = lens.distort((ideal.x - camera.cx) / camera.fx, (ideal.y - camera.cy) / camera.fy);
     cv::Mat3b distorted(480, 640, cv::Vec3b(0, 0, 0));
@@ -206,7 +206,7 @@ TEST(Undistortion, MovesEveryPointToItsIdealPlace) {
     EXPECT_EQ(corrected_label(ideal), 300) << ideal;
   }
   cv::Mat3b image(480, 640, cv::Vec3b(1, 2, 3)), copy;
-  const Undistortion none(camera, {});
+  const Undistortion none(camera, {camera, {}});
   none.undistort(image, copy);
   EXPECT_EQ(cv::norm(image, copy, cv::NORM_INF), 0.0);
   EXPECT_NE(image.data, copy.data);

@@ -134,11 +134,12 @@ TEST(TumFolder, ReadsIntrinsicsYamlWithDistortion) {
   folder.write("intrinsics.yaml", std::string("fx: 30\nfy: 31\ncx: 15.5\ncy: 11.5\nwidth: 32\nheight: 24\n"
                                               "depth_units_per_metre: 1000\ndistortion: [0.1, 0, 0, 0, 0]\n"));
   const auto source = openSource(folder.path().string());
-  EXPECT_EQ(source->description().camera, (PinholeCamera{32, 24, 30, 31, 15.5, 11.5}));
+  EXPECT_EQ(source->description().color_camera.camera, (PinholeCamera{32, 24, 30, 31, 15.5, 11.5}));
+  EXPECT_EQ(source->description().color_camera.distortion.k1, 0.1);
   EXPECT_EQ(source->description().intrinsics_origin, "intrinsics.yaml");
   EXPECT_EQ(source->description().depth_units_per_metre, 1000.0);
   ASSERT_EQ(source->description().remarks.size(), 1u);
-  EXPECT_EQ(source->description().remarks[0], "lens distortion of colour is removed");
+  EXPECT_NE(source->description().remarks[0].find("lens distortion is removed"), std::string::npos);
 }
 
 TEST(LabelledFolder, GivesLabelsOfEitherDepthAndTheIgnoreLimit) {

@@ -31,7 +31,7 @@ TEST_P(RealData, IsUnderstoodAndItsFirstFramesRead) {
   EXPECT_EQ(description.kind, expected.kind);
   EXPECT_EQ(description.frames, expected.frames);
   EXPECT_EQ(description.dropped, 0);
-  EXPECT_EQ(description.camera.fx, expected.fx);
+  EXPECT_EQ(description.color_camera.camera.fx, expected.fx);
   EXPECT_EQ(description.camera.width, 640);
   EXPECT_EQ(description.depth_units_per_metre, expected.depth_units_per_metre);
   EXPECT_EQ(description.depth_was_registered, expected.registered);
