@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
+#include <opencv2/imgproc.hpp>
 
 #include "saccade/discovery/coco_rle.hpp"
 #include "saccade/exchange/mrpt_scene.hpp"
