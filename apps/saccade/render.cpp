@@ -12,7 +12,7 @@
 #include "saccade/inspection/camera_path.hpp"
 #include "saccade/inspection/layer_picture.hpp"
 #include "saccade/inspection/scene_frame.hpp"
-#include "saccade/inspection/session_map.hpp"
+#include "saccade/session/session_map.hpp"
 #include "saccade/inspection/video_writer.hpp"
 #include "saccade/rendering/renderer.hpp"
 #include "saccade/session/session_reader.hpp"
@@ -131,7 +131,7 @@ void run(const Options& options) {
     throw IoError(options.output, "no file of that name yet (--force replaces it)", "one that exists");
   }
   const SessionReader session(options.session);
-  const IorMap map = loadMap(session, options.session);
+  const IorMap map = loadMap(session);
   const SceneFrame scene = findSceneFrame(map.view());
   PinholeCamera camera = cameraFor(options, session);
   if (film) {  // video codecs want even sides
