@@ -168,6 +168,22 @@ void printFiles(const Options& options) {
   if (!options.session.empty()) std::cerr << "next: saccade inspect " << options.session << "\n";
 }
 
+/// The next usable frame of a source, if there is one, and why those before it were skipped.
+struct Reading {
+  RgbdFrame frame;
+  bool has_frame = false;
+  std::vector<std::string> skipped;
+};
+
+void readFrame(FrameSource& source, Reading& reading) {
+  reading.skipped.clear();
+  ReadStatus status = source.read(reading.frame);
+  for (; status == ReadStatus::kSkip; status = source.read(reading.frame)) {
+    reading.skipped.push_back(source.skipReason());
+  }
+  reading.has_frame = status == ReadStatus::kFrame;
+}
+
 void run(const Options& options) {
   const ExplorerConfig config = effectiveConfig(options);
   if (options.print_config) {
@@ -200,20 +216,22 @@ void run(const Options& options) {
   catchInterrupts();
   RunTotals totals;
   ProgressLine progress(description.frames);
-  RgbdFrame frame;
+  Reading reading, next;
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  while (!interrupted()) {
-    const ReadStatus status = source.read(frame);
-    if (status == ReadStatus::kEnd) break;
-    if (status == ReadStatus::kSkip) {
+  for (readFrame(source, reading); !interrupted(); std::swap(reading, next)) {
+    for (const std::string& reason : reading.skipped) {
       ++totals.skipped;
       if (session != nullptr) session->noteSkipped();
       progress.clear();
-      std::cerr << "skipped: " << source.skipReason() << "\n";
-      continue;
+      std::cerr << "skipped: " << reason << "\n";
     }
-    const FrameReport report = poses ? explorer.processAt(frame, poses->find(frame)) : explorer.process(frame);
+    if (!reading.has_frame) break;
+    readFrame(source, next);
+    const RgbdFrame& frame = reading.frame;
+    const RgbdFrame* ahead = next.has_frame ? &next.frame : nullptr;
+    const FrameReport report =
+        poses ? explorer.processAt(frame, poses->find(frame), ahead) : explorer.process(frame, ahead);
     totals.add(report);
     for (const auto& sink : sinks) sink->accept(frame, report);
     progress.show(totals.frames + totals.skipped,
