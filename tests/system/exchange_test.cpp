@@ -132,7 +132,8 @@ TEST(Export, ObjectsAreAFolderOfPoints) {
   const ProgramRun listed = runSaccade({"inspect", kBefore, "objects", "--json"});
   ASSERT_EQ(listed.exit_code, 0) << listed.talk;
   std::size_t with_leaves = 0;
-  for (const auto& object : nlohmann::json::parse(listed.output)["objects"]) {
+  const nlohmann::json list = nlohmann::json::parse(listed.output);
+  for (const auto& object : list["objects"]) {
     if (object["leaves"].get<int>() == 0) continue;
     ++with_leaves;
     char name[32];
@@ -188,7 +189,8 @@ nlohmann::json mostInhibited(const std::string& session) {
   const ProgramRun run = runSaccade({"inspect", session, "objects", "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.talk;
   nlohmann::json best;
-  for (const auto& object : nlohmann::json::parse(run.output)["objects"]) {
+  const nlohmann::json list = nlohmann::json::parse(run.output);
+  for (const auto& object : list["objects"]) {
     if (best.is_null() || object["inhibited"] > best["inhibited"]) best = object;
   }
   return best;
