@@ -22,7 +22,10 @@ SessionMetadata readMetadata(const SessionDatabase& database) {
   std::map<std::string, std::string> rows;
   SQLite::Statement query(database.sqlite(), "SELECT key, value FROM meta");
   while (query.executeStep()) rows[query.getColumn(0).getString()] = query.getColumn(1).getString();
-  if (database.formatVersion() == 1) rows["state"] = rows["interrupted"] == "true" ? "\"interrupted\"" : "\"complete\"";
+  if (database.formatVersion() == 1) {
+    rows["state"] = rows["interrupted"] == "true" ? "\"interrupted\"" : "\"complete\"";
+    rows["range_step"] = "1";
+  }
   return metadataFromText(rows, database.path());
 }
 
@@ -207,6 +210,19 @@ std::optional<KeyframeRecord> SessionReader::keyframe(FrameOrdinal ordinal) cons
     requireChecksum(depth, depth_crc, "depth image of " + nameOf(ordinal), path());
     keyframe.depth_m = unpackDepth(depth, unit_m, size, path());
     return keyframe;
+  });
+}
+
+std::optional<std::string> SessionReader::state(const std::string& name) const {
+  return database_->use(kWhole, [&]() -> std::optional<std::string> {
+    SQLite::Statement query(database_->sqlite(), "SELECT crc32c, data FROM state WHERE name = ?");
+    query.bind(1, name);
+    if (!query.executeStep()) return std::nullopt;
+    RowReader row(query);
+    const std::int64_t crc = row.integer();
+    std::string bytes(row.bytes());
+    requireChecksum(bytes, crc, "state \"" + name + "\"", path());
+    return bytes;
   });
 }
 

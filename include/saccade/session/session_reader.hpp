@@ -41,6 +41,8 @@ class SessionReader {
   [[nodiscard]] std::vector<KeyframeRecord> keyframes() const;
   /// One keyframe with its images; none if the frame is no keyframe.
   [[nodiscard]] std::optional<KeyframeRecord> keyframe(FrameOrdinal ordinal) const;
+  /// Bytes that were kept under a name by SessionWriter::putState().
+  [[nodiscard]] std::optional<std::string> state(const std::string& name) const;
   /// Calls `visit` with every blob of `table` in the order of its keys, unpacked and checked.
   void visitBlobs(BlobTable table, const std::function<void(const BlobRecord&)>& visit) const;
   /// The same with those blobs alone whose key `wanted` accepts; the others are not unpacked.
