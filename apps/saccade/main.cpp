@@ -28,10 +28,13 @@ int main(int argc, char** argv) {
   program.get_formatter()->column_width(34);
   saccade::app::addExplore(program);
   saccade::app::addInspect(program);
+  saccade::app::addRender(program);
   saccade::app::addSaliency(program);
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
   saccade::app::addTrain(program);
+  saccade::app::addExport(program);
+  saccade::app::addImport(program);
   try {
     program.parse(argc, argv);
     return kDone;

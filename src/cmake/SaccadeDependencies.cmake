@@ -41,3 +41,7 @@ saccade_require_library(avutil libavutil/avutil.h avutil libavutil-dev)
 saccade_require_library(swscale libswscale/swscale.h swscale libswscale-dev)
 saccade_require(SQLiteCpp libsqlitecpp-dev)
 saccade_require(Boost libboost-dev)
+
+# .3Dscene files for MRPT's viewer: on where MRPT is found.
+find_package(mrpt-opengl QUIET)
+set(SACCADE_HAVE_MRPT_SCENES ${mrpt-opengl_FOUND})

@@ -56,6 +56,17 @@ SACCADE_INLINE void squareRoots(FloatLanes& lanes) {
   for (float& value : values) value = std::sqrt(value);
   lanes = loadLanes(values);
 }
+/// All lanes or-ed together.
+SACCADE_INLINE std::uint32_t orOf(const IntLanes& lanes) {
+  using Halves = std::int64_t __attribute__((vector_size(32)));
+  const auto halves = reinterpret_cast<Halves>(lanes);
+  const std::int64_t both = halves[0] | halves[1] | halves[2] | halves[3];
+  return static_cast<std::uint32_t>(both | both >> 32);
+}
+/// A comparison as bits, lane 0 the lowest.
+SACCADE_INLINE unsigned bitsOf(const IntLanes& mask) {
+  return orOf(mask & IntLanes{1, 2, 4, 8, 16, 32, 64, 128});
+}
 /// Whether a lane of a comparison holds.
 SACCADE_INLINE bool any(const IntLanes& mask) {
   using Halves = std::int64_t __attribute__((vector_size(32)));

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace saccade {
 namespace {
@@ -37,6 +41,68 @@ int sharedPixels(const Candidate& a, const Candidate& b, const Perception& seen)
   return pixels;
 }
 
+/// Whether two masks overlap by at least `least_iou`. They cannot share more than their boxes do, nor be more alike
+/// than their areas are.
+bool areAlike(const Candidate& a, const Candidate& b, double least_iou, const Perception& seen) {
+  const double least_shared = least_iou * std::max(a.area, b.area);
+  return std::min(a.area, b.area) >= least_shared && (a.box & b.box).area() >= least_shared &&
+         maskIou(a, b, seen) >= least_iou;
+}
+
+/// A candidate that waits for its turn, with the score it had after overlapping the first `met` of those taken.
+struct Waiting {
+  double score;
+  std::size_t index, met;
+  bool operator<(const Waiting& other) const {
+    return score != other.score ? score < other.score : index > other.index;
+  }
+};
+
+/// Takes the best, lowers the score of those whose box overlaps it, takes the best of what is left, until there are
+/// `config.max_open`. Scores only ever fall: one needs to be brought up to date only when it is the highest, and most
+/// candidates never are. `isNew(candidate, better)` is asked once of each that is, with those before it in `sorted`
+/// that were new.
+template <typename IsNew>
+Candidates takeBest(Candidates sorted, const RankingConfig& config, const IsNew& isNew) {
+  const bool suppress = config.suppress && !config.paper;
+  std::vector<Waiting> heap;  // sorted by falling score: a heap as it is
+  for (std::size_t i = 0; i < sorted.size(); ++i) heap.push_back({sorted[i].score, i, 0});
+  std::vector<cv::Rect> taken_boxes;
+  std::vector<const Candidate*> fresh;
+  std::vector<Waiting> taken;
+  std::vector<char> is_met(sorted.size(), 0);
+  while (!heap.empty() && taken.size() < static_cast<std::size_t>(config.max_open)) {
+    std::pop_heap(heap.begin(), heap.end());
+    Waiting next = heap.back();
+    heap.pop_back();
+    const Candidate& candidate = sorted[next.index];
+    if (is_met[next.index] == 0) {
+      is_met[next.index] = 1;
+      if (!isNew(candidate, fresh)) continue;
+      fresh.push_back(&candidate);
+    }
+    const double before = next.score;
+    for (; suppress && next.met < taken_boxes.size(); ++next.met) {
+      const double over = boxIou(taken_boxes[next.met], candidate.box) - config.suppress_from;
+      if (over > 0.0) next.score *= std::pow(1.0 - over / (1.0 - config.suppress_from), config.suppress_power);
+    }
+    if (next.score < before) {
+      heap.push_back(next);
+      std::push_heap(heap.begin(), heap.end());
+      continue;
+    }
+    taken.push_back(next);
+    taken_boxes.push_back(candidate.box);
+  }
+  Candidates best;
+  best.reserve(taken.size());
+  for (const Waiting& chosen : taken) {
+    best.push_back(std::move(sorted[chosen.index]));
+    best.back().score = chosen.score;
+  }
+  return best;
+}
+
 }  // namespace
 
 double boxIou(const cv::Rect& a, const cv::Rect& b) {
@@ -61,57 +127,27 @@ Ranker::Ranker(RankingConfig config, RankerModel model)
 Candidates Ranker::rank(Candidates open, const Perception& seen) {
   measurer_.measure(open, seen);
   model_.score(open);
-  const auto better = [](const Candidate& a, const Candidate& b) {
-    return a.score != b.score ? a.score > b.score : a.source < b.source;
+  std::vector<std::size_t> order(open.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&open](std::size_t i, std::size_t j) {
+    const Candidate &a = open[i], &b = open[j];
+    if (a.score != b.score) return a.score > b.score;
+    return a.source != b.source ? a.source < b.source : i < j;
+  });
+  Candidates sorted;
+  sorted.reserve(order.size());
+  for (const std::size_t i : order) sorted.push_back(std::move(open[i]));
+
+  const auto isNew = [&](const Candidate& candidate, const std::vector<const Candidate*>& better) {
+    return config_.paper || std::none_of(better.begin(), better.end(), [&](const Candidate* other) {
+             return areAlike(*other, candidate, config_.duplicate_iou, seen);
+           });
   };
-  std::stable_sort(open.begin(), open.end(), better);
-  if (config_.paper) {
-    if (open.size() > static_cast<std::size_t>(config_.max_open)) {
-      open.resize(static_cast<std::size_t>(config_.max_open));
-    }
-    return open;
-  }
-  Candidates kept;
-  for (Candidate& candidate : open) {
-    const bool duplicate = std::any_of(kept.begin(), kept.end(), [&](const Candidate& other) {
-      const int smaller = std::min(other.area, candidate.area), larger = std::max(other.area, candidate.area);
-      // Masks cannot be more alike than their areas are.
-      return smaller >= config_.duplicate_iou * larger && (other.box & candidate.box).area() >= smaller / 2 &&
-             maskIou(other, candidate, seen) >= config_.duplicate_iou;
-    });
-    if (!duplicate) kept.push_back(std::move(candidate));
-  }
-  if (config_.suppress) suppressOverlapping(kept, config_);
-  if (kept.size() > static_cast<std::size_t>(config_.max_open)) kept.resize(static_cast<std::size_t>(config_.max_open));
-  return kept;
+  return takeBest(std::move(sorted), config_, isNew);
 }
 
 void suppressOverlapping(Candidates& sorted, const RankingConfig& config) {
-  struct Entry {
-    double score;
-    cv::Rect box;
-    std::size_t index;
-  };
-  std::vector<Entry> waiting;
-  for (std::size_t i = 0; i < sorted.size(); ++i) waiting.push_back({sorted[i].score, sorted[i].box, i});
-  const std::size_t wanted = std::min(sorted.size(), static_cast<std::size_t>(config.max_open));
-  Candidates ranked;
-  while (ranked.size() < wanted) {
-    auto best = waiting.begin();
-    for (auto entry = waiting.begin(); entry != waiting.end(); ++entry) {
-      if (entry->score > best->score || (entry->score == best->score && entry->index < best->index)) best = entry;
-    }
-    const Entry chosen = *best;
-    *best = waiting.back();
-    waiting.pop_back();
-    ranked.push_back(std::move(sorted[chosen.index]));
-    ranked.back().score = chosen.score;
-    for (Entry& entry : waiting) {
-      const double over = boxIou(chosen.box, entry.box) - config.suppress_from;
-      if (over > 0.0) entry.score *= std::pow(1.0 - over / (1.0 - config.suppress_from), config.suppress_power);
-    }
-  }
-  sorted = std::move(ranked);
+  sorted = takeBest(std::move(sorted), config, [](const Candidate&, const auto&) { return true; });
 }
 
 Candidates Ranker::best(Candidates open, const Perception& seen, int k) {

@@ -10,29 +10,34 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
 namespace {
 
-constexpr std::size_t kLanes = 8;  // rows judged at a time
+constexpr std::size_t kRows = 8;   // rows judged at a time
 constexpr std::size_t kBlock = 4;  // support vectors taken together
 
-// e^x for x <= 0 within 2e-14: 2^n by the exponent bits, the rest by a polynomial. Inlined so that the loop around it
-// vectorises.
-inline double expOfNegative(double x) {
-  constexpr double kLog2E = 1.4426950408889634, kLn2High = 0.693147180369123816490,
-                   kLn2Low = 1.90821492927058770002e-10;
+// Half of the rows judged at a time: one AVX register, or two of SSE or NEON.
+using Quad = double __attribute__((vector_size(32)));
+using QuadBits = std::int64_t __attribute__((vector_size(32)));
+
+SACCADE_INLINE Quad loadQuad(const double* from) {
+  Quad quad;
+  std::memcpy(&quad, from, sizeof quad);
+  return quad;
+}
+
+// e^x for x <= 0 within a relative 1e-11: 2^n by the exponent bits, the rest by its series to the 9th power.
+SACCADE_INLINE Quad expOfNegative(const Quad& power) {
+  constexpr double kLog2E = 1.4426950408889634, kLn2 = 0.693147180559945309;
   constexpr double kRounder = 6755399441055744.0;  // 1.5 * 2^52: adding it leaves the rounded number in the low bits
-  x = x < -700.0 ? -700.0 : x;
-  const double shifted = x * kLog2E + kRounder;
-  const double n = shifted - kRounder;
-  const double r = (x - n * kLn2High) - n * kLn2Low;
-  double p = 1.0 / 479001600.0;
-  p = p * r + 1.0 / 39916800.0;
-  p = p * r + 1.0 / 3628800.0;
-  p = p * r + 1.0 / 362880.0;
-  p = p * r + 1.0 / 40320.0;
+  constexpr double kLeast = -700.0;                // smaller results would not be normal numbers
+  const Quad x = power < kLeast ? Quad{} + kLeast : power;
+  const Quad shifted = x * kLog2E + kRounder;
+  const Quad r = x - (shifted - kRounder) * kLn2;
+  Quad p = r * (1.0 / 362880.0) + 1.0 / 40320.0;
   p = p * r + 1.0 / 5040.0;
   p = p * r + 1.0 / 720.0;
   p = p * r + 1.0 / 120.0;
@@ -41,39 +46,33 @@ inline double expOfNegative(double x) {
   p = p * r + 0.5;
   p = p * r + 1.0;
   p = p * r + 1.0;
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(p) + (std::bit_cast<std::uint64_t>(shifted) << 52));
+  return std::bit_cast<Quad>(std::bit_cast<QuadBits>(p) + (std::bit_cast<QuadBits>(shifted) << 52));
 }
 
-// Decision values of eight rows, given value by value: columns[d * kLanes + lane]. |x - v|² = |x|² + |v|² - 2 x·v
+// Decision values of eight rows, given value by value: columns[d * kRows + lane]. |x - v|² = |x|² + |v|² - 2 x·v
 // leaves one multiplication and addition a value; the products of a block of vectors with all lanes stay in registers.
 SACCADE_MULTIVERSION void decide(const double* columns, const double* row_norms, const double* vectors,
                                  const double* norms, const double* coefficients, std::size_t vector_count,
                                  std::size_t dimension, double gamma, double* decision) {
-  typedef double Quad __attribute__((vector_size(32)));
-  double sum[kLanes] = {};
+  const Quad low_norms = loadQuad(row_norms), high_norms = loadQuad(row_norms + kRows / 2);
+  Quad low_sum = {}, high_sum = {};
   for (std::size_t s = 0; s < vector_count; s += kBlock) {
     const double* block = vectors + s * dimension;
     Quad low[kBlock] = {}, high[kBlock] = {};
     for (std::size_t d = 0; d < dimension; ++d) {
-      Quad x_low, x_high;
-      std::memcpy(&x_low, columns + d * kLanes, sizeof x_low);
-      std::memcpy(&x_high, columns + d * kLanes + kLanes / 2, sizeof x_high);
+      const Quad x_low = loadQuad(columns + d * kRows), x_high = loadQuad(columns + d * kRows + kRows / 2);
       for (std::size_t i = 0; i < kBlock; ++i) {
         low[i] += x_low * block[d * kBlock + i];
         high[i] += x_high * block[d * kBlock + i];
       }
     }
-    for (std::size_t i = 0; i < kBlock; ++i) {
-      double product[kLanes];
-      std::memcpy(product, &low[i], sizeof low[i]);
-      std::memcpy(product + kLanes / 2, &high[i], sizeof high[i]);
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const double distance = std::max(0.0, row_norms[lane] + norms[s + i] - 2.0 * product[lane]);
-        sum[lane] += coefficients[s + i] * expOfNegative(-gamma * distance);
-      }
+    for (std::size_t i = 0; i < kBlock; ++i) {  // rounding may leave a distance a little below 0: e^x bears it
+      low_sum += coefficients[s + i] * expOfNegative((2.0 * low[i] - low_norms - norms[s + i]) * gamma);
+      high_sum += coefficients[s + i] * expOfNegative((2.0 * high[i] - high_norms - norms[s + i]) * gamma);
     }
   }
-  for (std::size_t lane = 0; lane < kLanes; ++lane) decision[lane] = sum[lane];
+  std::memcpy(decision, &low_sum, sizeof low_sum);
+  std::memcpy(decision + kRows / 2, &high_sum, sizeof high_sum);
 }
 
 double sigmoid(double decision, double a, double b) {
@@ -189,15 +188,15 @@ void Svm::predict(std::span<const float> rows, std::size_t count, std::span<doub
                                 " values announced, " + std::to_string(rows.size()) + " values given");
   }
   constexpr double kSmallest = 1e-7;  // LIBSVM keeps pairwise probabilities this far from 0 and 1
-  std::vector<double> columns(dimension_ * kLanes, 0.0);
-  std::array<double, kLanes> decision{}, row_norms{};
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    const std::size_t lanes = std::min(kLanes, count - first);
+  std::vector<double> columns(dimension_ * kRows, 0.0);
+  std::array<double, kRows> decision{}, row_norms{};
+  for (std::size_t first = 0; first < count; first += kRows) {
+    const std::size_t lanes = std::min(kRows, count - first);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       row_norms[lane] = 0.0;
       for (std::size_t d = 0; d < dimension_; ++d) {
         const auto value = static_cast<double>(rows[(first + lane) * dimension_ + d]);
-        columns[d * kLanes + lane] = value;
+        columns[d * kRows + lane] = value;
         row_norms[lane] += value * value;
       }
     }

@@ -14,6 +14,19 @@ constexpr std::int64_t kKeySpace = 65536;
 /// A pixel without a point, in the place of a place.
 constexpr std::uint64_t kNoPlace = ~std::uint64_t{0};
 
+/// So many leaves ahead the merge fetches what was seen of one, which lies somewhere else.
+constexpr std::size_t kPrefetched = 16;
+
+std::uint32_t xOf(std::uint64_t place) {
+  return static_cast<std::uint32_t>(place & 0x1FFFFF);
+}
+std::uint32_t yOf(std::uint64_t place) {
+  return static_cast<std::uint32_t>(place >> 21 & 0x1FFFFF);
+}
+std::uint32_t zOf(std::uint64_t place) {
+  return static_cast<std::uint32_t>(place >> 42);
+}
+
 /// Leaves of one row's points, floor(origin + depth * (start + u * step)) per axis, as x | y << 21 | z << 42. Points
 /// lie inside the cube, so that the numbers are positive and truncation is floor.
 SACCADE_MULTIVERSION void placeRow(const float* depth, int width, const float* origin, const float* start,
@@ -64,9 +77,9 @@ FrameCube FrameCube::around(const Eigen::Vector3d& position_m, double reach_m, d
 }
 
 void EndpointLeaves::collect(const WorkingDepth& depth, const PinholeCamera& camera, const Eigen::Matrix3d& R_WC,
-                             const FrameCube& cube, const cv::Mat3b& color) {
+                             const FrameCube& cube, const cv::Mat3f& normals_C, const cv::Mat3b& color) {
   cube_ = cube;
-  hits_.clear();
+  codes_.clear();
   seen_.clear();
   points_ = dropped_ = 0;
   cache_.assign(kCacheSize, Cached{});
@@ -77,12 +90,13 @@ void EndpointLeaves::collect(const WorkingDepth& depth, const PinholeCamera& cam
   for (int v = 0; v < depth.height(); ++v) {
     const Eigen::Vector3f start = (R_WC * camera.unproject(0.0, v, 1.0)).cast<float>();
     placeRow(depth.row(v), width, cube.camera_leaves.data(), start.data(), step.data(), places_.data());
-    addRow(v, width, color.empty() ? nullptr : color[v]);
+    addRow(width, normals_C.empty() ? nullptr : normals_C[v], color.empty() ? nullptr : color[v]);
   }
-  sortAndMerge(3 * (cube.block_bits + 1));
+  sortCodes(3 * (cube.block_bits + 1));
+  merge();
 }
 
-void EndpointLeaves::addRow(int v, int width, const cv::Vec3b* color) {
+void EndpointLeaves::addRow(int width, const cv::Vec3f* normals_C, const cv::Vec3b* color) {
   for (int u = 0; u < width;) {
     const std::uint64_t place = places_[static_cast<std::size_t>(u)];
     const int first = u;
@@ -91,7 +105,7 @@ void EndpointLeaves::addRow(int v, int width, const cv::Vec3b* color) {
     if (place == kNoPlace) continue;
     const auto pixels = static_cast<std::uint32_t>(u - first);
     points_ += u - first;
-    Seen* seen = find(place, static_cast<std::uint32_t>(v * width + first));
+    Seen* seen = find(place, normals_C == nullptr ? nullptr : normals_C + first);
     if (seen == nullptr) {
       dropped_ += u - first;
       continue;
@@ -105,52 +119,66 @@ void EndpointLeaves::addRow(int v, int width, const cv::Vec3b* color) {
   }
 }
 
-EndpointLeaves::Seen* EndpointLeaves::find(std::uint64_t place, std::uint32_t pixel) {
-  const auto x = static_cast<std::uint32_t>(place & 0x1FFFFF), y = static_cast<std::uint32_t>(place >> 21 & 0x1FFFFF);
-  const auto z = static_cast<std::uint32_t>(place >> 42);
+EndpointLeaves::Seen* EndpointLeaves::find(std::uint64_t place, const cv::Vec3f* normal_C) {
+  const auto x = xOf(place), y = yOf(place), z = zOf(place);
   Cached& cached = cache_[(x * 73u + y * 1031u + z * 16411u) % kCacheSize];
   if (cached.place != place) {  // new, or so long ago that the merge must find it
     for (const std::int64_t k : {cube_.base[0] + x, cube_.base[1] + y, cube_.base[2] + z}) {
       if (k < 0 || k >= kKeySpace) return nullptr;
     }
     cached = {place, static_cast<std::uint32_t>(seen_.size())};
-    hits_.push_back({mortonCode(x, y, z), cached.seen});
-    seen_.push_back({0, 0, 0, 0, pixel, x, y, z});
+    codes_.push_back({mortonCode(x, y, z), cached.seen});
+    Seen& fresh = seen_.emplace_back();
+    fresh.place = place;
+    if (normal_C != nullptr) fresh.normal_C = {(*normal_C)[0], (*normal_C)[1], (*normal_C)[2]};
   }
   return &seen_[cached.seen];
 }
 
-void EndpointLeaves::sortAndMerge(int bits) {
+void EndpointLeaves::sortCodes(int bits) {
   // Radix sort, least digit first: stable, so that equal codes stay in raster order and the merge is deterministic.
   constexpr int kDigitBits = 12;
   constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-  sorted_.resize(hits_.size());
+  sorted_.resize(codes_.size());
   for (int shift = 0; shift < bits; shift += kDigitBits) {
     std::array<std::uint32_t, kDigits> start{};
-    for (const Hit& hit : hits_) ++start[hit.code >> shift & (kDigits - 1)];
+    for (const Coded& coded : codes_) ++start[coded.code >> shift & (kDigits - 1)];
     std::uint32_t sum = 0;
     for (std::uint32_t& s : start) {
       const std::uint32_t n = s;
       s = sum;
       sum += n;
     }
-    for (const Hit& hit : hits_) sorted_[start[hit.code >> shift & (kDigits - 1)]++] = hit;
-    std::swap(hits_, sorted_);
+    for (const Coded& coded : codes_) sorted_[start[coded.code >> shift & (kDigits - 1)]++] = coded;
+    std::swap(codes_, sorted_);
   }
-  std::size_t kept = 0;
-  for (const Hit& hit : hits_) {
-    if (kept > 0 && hits_[kept - 1].code == hit.code) {
-      Seen& into = seen_[hits_[kept - 1].seen];
-      const Seen& from = seen_[hit.seen];
-      into.blue += from.blue;
-      into.green += from.green;
-      into.red += from.red;
-      into.pixels += from.pixels;
-    } else {
-      hits_[kept++] = hit;
+}
+
+/// Brings what was seen into the order of the codes, one endpoint for all that have the same.
+void EndpointLeaves::merge() {
+  endpoints_.clear();
+  for (std::vector<float>& centres : centres_) centres.clear();
+  for (std::size_t i = 0; i < codes_.size();) {
+    if (i + kPrefetched < codes_.size()) __builtin_prefetch(&seen_[codes_[i + kPrefetched].seen]);
+    const std::uint64_t code = codes_[i].code;
+    Seen& together = seen_[codes_[i].seen];
+    for (++i; i < codes_.size() && codes_[i].code == code; ++i) {
+      const Seen& more = seen_[codes_[i].seen];
+      together.blue += more.blue;
+      together.green += more.green;
+      together.red += more.red;
+      together.pixels += more.pixels;
     }
+    append(code, together);
   }
-  hits_.resize(kept);
+}
+
+void EndpointLeaves::append(std::uint64_t code, const Seen& seen) {
+  const auto mean = [&](std::uint32_t sum) { return static_cast<std::uint8_t>((sum + seen.pixels / 2) / seen.pixels); };
+  endpoints_.push_back({code, seen.normal_C, mean(seen.blue), mean(seen.green), mean(seen.red)});
+  centres_[0].push_back(static_cast<float>(xOf(seen.place)) + 0.5f);
+  centres_[1].push_back(static_cast<float>(yOf(seen.place)) + 0.5f);
+  centres_[2].push_back(static_cast<float>(zOf(seen.place)) + 0.5f);
 }
 
 }  // namespace saccade

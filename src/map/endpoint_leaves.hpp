@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -31,49 +32,56 @@ struct FrameCube {
 /// The different leaves that one frame's points fall into, in Morton order, with what was seen there.
 class EndpointLeaves {
  public:
-  /// What the pixels of one leaf say together.
-  struct Seen {
-    std::uint32_t blue = 0, green = 0, red = 0;  ///< sums over `pixels`
-    std::uint32_t pixels = 0;
-    std::uint32_t first_pixel = 0;      ///< v * width + u of the first pixel, whose normal speaks for the leaf
-    std::uint32_t x = 0, y = 0, z = 0;  ///< the leaf, from the cube's base
-
-    /// Centre of the leaf from the cube's base, in leaves.
-    [[nodiscard]] Eigen::Vector3f centre() const {
-      return {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, static_cast<float>(z) + 0.5f};
-    }
-  };
-  /// Morton code from the cube's base, and which `seen` belongs to it.
-  struct Hit {
+  /// One leaf: its Morton code from the cube's base, and what its pixels say together.
+  struct Endpoint {
     std::uint64_t code;
-    std::uint32_t seen;
+    std::array<float, 3> normal_C;              ///< of the leaf's first pixel; (0, 0, 0) = none
+    std::uint8_t blue = 0, green = 0, red = 0;  ///< mean
   };
+  /// Centres of the leaves from the cube's base, in leaves, by axis, in the order of the leaves.
+  using Centres = std::array<std::vector<float>, 3>;
 
-  /// Collects the frame's leaves. `depth` is in leaves; `color` may be empty. Cost: one pass and one sort.
+  /// Collects the frame's leaves. `depth` is in leaves; `normals_C` and `color` may be empty. Cost: one pass and one
+  /// sort.
   void collect(const WorkingDepth& depth, const PinholeCamera& camera, const Eigen::Matrix3d& R_WC,
-               const FrameCube& cube, const cv::Mat3b& color);
+               const FrameCube& cube, const cv::Mat3f& normals_C, const cv::Mat3b& color);
 
-  [[nodiscard]] std::span<const Hit> hits() const { return hits_; }
-  [[nodiscard]] const Seen& seen(const Hit& hit) const { return seen_[hit.seen]; }
+  [[nodiscard]] std::span<const Endpoint> endpoints() const { return endpoints_; }
+  [[nodiscard]] const Centres& centres() const { return centres_; }
   [[nodiscard]] int points() const { return points_; }
   [[nodiscard]] int droppedPoints() const { return dropped_; }
 
  private:
-  void addRow(int v, int width, const cv::Vec3b* color);
-  Seen* find(std::uint64_t place, std::uint32_t pixel);
-  void sortAndMerge(int bits);
-
+  /// What was seen of a leaf in pixels that follow each other closely; a leaf may have several.
+  struct Seen {
+    std::uint32_t blue = 0, green = 0, red = 0;  // sums over `pixels`
+    std::uint32_t pixels = 0;
+    std::array<float, 3> normal_C{};
+    std::uint64_t place = 0;  // x | y << 21 | z << 42 from the cube's base
+  };
+  struct Coded {
+    std::uint64_t code;
+    std::uint32_t seen;
+  };
   struct Cached {
-    std::uint64_t place = ~std::uint64_t{0};  // x | y << 21 | z << 42
+    std::uint64_t place = ~std::uint64_t{0};
     std::uint32_t seen = 0;
   };
   static constexpr std::size_t kCacheSize = 4096;
 
+  void addRow(int width, const cv::Vec3f* normals_C, const cv::Vec3b* color);
+  Seen* find(std::uint64_t place, const cv::Vec3f* normal_C);
+  void sortCodes(int bits);
+  void merge();
+  void append(std::uint64_t code, const Seen& seen);
+
   FrameCube cube_;
-  std::vector<Hit> hits_, sorted_;
+  std::vector<Coded> codes_, sorted_;
   std::vector<Seen> seen_;
   std::vector<Cached> cache_;
   std::vector<std::uint64_t> places_;  // one row
+  std::vector<Endpoint> endpoints_;
+  Centres centres_;
   int points_ = 0, dropped_ = 0;
 };
 

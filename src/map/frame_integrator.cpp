@@ -13,46 +13,12 @@ namespace {
 constexpr int kFinest = MapTree::kDepth;
 /// Stands for log-odds of 0, with the sign of the update that led there; OctoMap reads 0 as occupied.
 constexpr float kNearlyZero = 1e-6f;
-/// Leaves in front of the camera within which a node has no useful bounds in the image.
-constexpr float kNoBound = 1e-2f;
 /// Observations beyond this no longer slow the running mean of colour and normal down.
 constexpr int kMeanMemory = 15;
 
-struct CameraConstants {
-  float fx, fy, cx, cy;
-  std::array<float, 9> R;        // R_CW by rows
-  std::array<float, 12> planes;  // four inward normals
-};
-
-SACCADE_MULTIVERSION void boundSiblings(const CameraConstants& c, const SiblingFrame& s, float px, float py, float pz,
-                                        SiblingBounds& out) {
-  for (std::size_t i = 0; i < 8; ++i) {
-    const float x = px + s.dx[i], y = py + s.dy[i], z = pz + s.dz[i];
-    const float z_near = z - s.z_reach;
-    const float inv = 1.0f / z, inv_near = 1.0f / z_near;
-    const float tx = x * inv, ty = y * inv;
-    // |p.x / p.z - tx| over the cube: the numerator p.x - tx p.z is linear, the denominator at least z_near.
-    const float reach_x =
-        std::fabs(c.R[0] - tx * c.R[6]) + std::fabs(c.R[1] - tx * c.R[7]) + std::fabs(c.R[2] - tx * c.R[8]);
-    const float reach_y =
-        std::fabs(c.R[3] - ty * c.R[6]) + std::fabs(c.R[4] - ty * c.R[7]) + std::fabs(c.R[5] - ty * c.R[8]);
-    out.z[i] = z;
-    out.z_near[i] = z_near;
-    out.u[i] = c.fx * tx + c.cx;
-    out.v[i] = c.fy * ty + c.cy;
-    out.du[i] = c.fx * s.half * reach_x * inv_near;
-    out.dv[i] = c.fy * s.half * reach_y * inv_near;
-    std::int32_t outside = z + s.z_reach <= 0.0f;
-    for (std::size_t k = 0; k < 4; ++k) {
-      outside |= c.planes[3 * k] * x + c.planes[3 * k + 1] * y + c.planes[3 * k + 2] * z < -s.plane_reach[k];
-    }
-    out.outside[i] = outside;
-  }
-}
-
 /// The hits of child i: those whose digit at this level is i; `hits` is sorted and starts at child i.
-std::size_t countOfChild(std::span<const EndpointLeaves::Hit> hits, unsigned i, int level) {
-  const auto digit = [level](const EndpointLeaves::Hit& h) {
+std::size_t countOfChild(std::span<const EndpointLeaves::Endpoint> hits, unsigned i, int level) {
+  const auto digit = [level](const EndpointLeaves::Endpoint& h) {
     return static_cast<unsigned>(h.code >> (3 * level)) & 7u;
   };
   if (hits.size() <= 16) {
@@ -71,8 +37,7 @@ void prefetchFamily(const IorOcTreeNode* node) {
   for (std::size_t offset = 0; offset < 8 * NodeLayout::kNodeBytes; offset += 64) __builtin_prefetch(first + offset);
 }
 
-std::uint8_t blend(std::uint8_t mean, std::uint32_t sum, std::uint32_t pixels, int memory) {
-  const int seen = static_cast<int>((sum + pixels / 2) / pixels);
+std::uint8_t blend(std::uint8_t mean, std::uint8_t seen, int memory) {
   const int difference = seen - mean;
   const int rounding = difference >= 0 ? memory / 2 : -(memory / 2);
   return static_cast<std::uint8_t>(mean + (difference + rounding) / memory);
@@ -83,16 +48,16 @@ std::uint8_t blend(std::uint8_t mean, std::uint32_t sum, std::uint32_t pixels, i
 IntegrationReport FrameIntegrator::integrate(IorOcTree& tree, const DepthMaps& depth, const cv::Mat3b& color,
                                              const Pose& T_WC) {
   tree_ = &tree;
-  maps_ = &depth;
   has_color_ = !color.empty();
+  has_normals_ = !depth.normals.empty();
   report_ = {};
   prepare(depth, T_WC);
-  endpoints_.collect(depth_, depth.camera, T_WC.linear(), cube_, color);
+  endpoints_.collect(depth_, depth.camera, T_WC.linear(), cube_, depth.normals, color);
   rays_.build(endpoints_, depth_, depth.camera, R_CW_, cube_);
   prepareSiblings(depth.camera);
   report_.points = endpoints_.points();
   report_.dropped_points = endpoints_.droppedPoints();
-  report_.hit_leaves = static_cast<int>(endpoints_.hits().size());
+  report_.hit_leaves = static_cast<int>(endpoints_.endpoints().size());
   if (report_.points > 0) {
     for (unsigned block = 0; block < 8; ++block) updateBlock(block);
   }
@@ -111,10 +76,6 @@ void FrameIntegrator::prepare(const DepthMaps& depth, const Pose& T_WC) {
   cube_ = FrameCube::around(T_WC.translation(), config_.max_range_m * widest, config_.leaf_size_m);
   R_WC_ = T_WC.linear().cast<float>();
   R_CW_ = R_WC_.transpose();
-  fx_ = static_cast<float>(camera.fx);
-  fy_ = static_cast<float>(camera.fy);
-  cx_ = static_cast<float>(camera.cx);
-  cy_ = static_cast<float>(camera.cy);
   hit_ = tree_->getProbHitLog();
   miss_ = tree_->getProbMissLog();
   lowest_ = tree_->getClampingThresMinLog();
@@ -123,17 +84,26 @@ void FrameIntegrator::prepare(const DepthMaps& depth, const Pose& T_WC) {
 }
 
 void FrameIntegrator::prepareSiblings(const PinholeCamera& camera) {
+  ProjectionConstants& p = projection_;
+  p.fx = static_cast<float>(camera.fx);
+  p.fy = static_cast<float>(camera.fy);
+  p.cx = static_cast<float>(camera.cx);
+  p.cy = static_cast<float>(camera.cy);
+  for (int i = 0; i < 9; ++i) p.R_CW[static_cast<std::size_t>(i)] = R_CW_(i / 3, i % 3);
   const float margin = static_cast<float>(rays_.margin()) + 0.5f;
-  const float left = cx_ + margin, right = static_cast<float>(camera.width - 1) + margin - cx_;
-  const float top = cy_ + margin, bottom = static_cast<float>(camera.height - 1) + margin - cy_;
-  planes_ = {fx_, 0, left, -fx_, 0, right, 0, fy_, top, 0, -fy_, bottom};
+  const float left = p.cx + margin, right = static_cast<float>(camera.width - 1) + margin - p.cx;
+  const float top = p.cy + margin, bottom = static_cast<float>(camera.height - 1) + margin - p.cy;
+  p.margin_cells = 0.5f * static_cast<float>(rays_.margin());
+  p.width_cells = static_cast<float>(rays_.widthCells());
+  p.height_cells = static_cast<float>(rays_.heightCells());
+  p.planes = {p.fx, 0, left, -p.fx, 0, right, 0, p.fy, top, 0, -p.fy, bottom};
 
   for (int d = 1; d <= kFinest; ++d) {
     SiblingFrame& s = siblings_[static_cast<std::size_t>(d)];
     s.half = 0.5f * static_cast<float>(1 << (kFinest - d));
     s.z_reach = s.half * R_CW_.row(2).cwiseAbs().sum();
     for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::RowVector3f normal(planes_[3 * k], planes_[3 * k + 1], planes_[3 * k + 2]);
+      const Eigen::RowVector3f normal(p.planes[3 * k], p.planes[3 * k + 1], p.planes[3 * k + 2]);
       s.plane_reach[k] = s.half * (normal * R_CW_).cwiseAbs().sum();
     }
     for (unsigned i = 0; i < 8; ++i) {
@@ -163,7 +133,7 @@ void FrameIntegrator::updateBlock(unsigned block) {
   place.cy = centre_C.y();
   place.cz = centre_C.z();
 
-  const auto all = endpoints_.hits();
+  const auto all = endpoints_.endpoints();
   const int shift = 3 * cube_.block_bits;
   const auto first =
       std::partition_point(all.begin(), all.end(), [&](const auto& h) { return h.code >> shift < block; });
@@ -197,55 +167,60 @@ bool FrameIntegrator::updateFromRoot(IorOcTreeNode* node, int depth, const std::
 }
 
 bool FrameIntegrator::updateChildren(IorOcTreeNode* node, const Place& place, Hits hits) {
-  const CameraConstants camera{fx_,
-                               fy_,
-                               cx_,
-                               cy_,
-                               {R_CW_(0, 0), R_CW_(0, 1), R_CW_(0, 2), R_CW_(1, 0), R_CW_(1, 1), R_CW_(1, 2),
-                                R_CW_(2, 0), R_CW_(2, 1), R_CW_(2, 2)},
-                               planes_};
   const int depth = place.depth + 1;  // of the children; the finest ones are never reached here
   SiblingBounds bounds;
-  boundSiblings(camera, siblings_[static_cast<std::size_t>(depth)], place.cx, place.cy, place.cz, bounds);
-  for (unsigned mask = node->childMask(); mask != 0; mask &= mask - 1) {
-    const auto i = static_cast<unsigned>(std::countr_zero(mask));
-    if (bounds.outside[i] == 0) prefetchFamily(node->child(i));
+  boundSiblings(projection_, siblings_[static_cast<std::size_t>(depth)], place.cx, place.cy, place.cz, bounds);
+  for (unsigned mask = node->childMask() & ~bounds.outside; mask != 0; mask &= mask - 1) {
+    prefetchFamily(node->child(static_cast<unsigned>(std::countr_zero(mask))));
   }
-  bool changed = false;
+  std::array<Hits, 8> hits_of;
+  unsigned hit = 0;
   for (unsigned i = 0; i < 8; ++i) {
-    const std::size_t n = countOfChild(hits, i, kFinest - depth);
-    const Hits mine = hits.first(n);
-    hits = hits.subspan(n);
-    if (mine.empty() && bounds.outside[i] != 0) continue;
+    hits_of[i] = hits.first(countOfChild(hits, i, kFinest - depth));
+    hits = hits.subspan(hits_of[i].size());
+    hit |= static_cast<unsigned>(!hits_of[i].empty()) << i;
+  }
+  const unsigned unhit = ~hit & ~bounds.outside & ~settledChildren(node) & 0xFFu;
+  RayPyramid::Sights sights = rays_.sights(bounds, unhit & bounds.bounded & ~bounds.empty);
+  sights.hidden |= bounds.empty;
+  bool changed = false;
+  for (unsigned mask = hit | (unhit & ~sights.hidden); mask != 0; mask &= mask - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(mask));
+    const bool free = (hit >> i & 1u) == 0 && (sights.free >> i & 1u) != 0;
     const Place child = childPlace(place, i);
-    changed |= depth == kFinest - 1 ? updateFinestFamily(node, i, child, mine, bounds)
-                                    : updateInnerChild(node, i, child, mine, bounds);
+    if (free) {
+      changed |= freeChild(node, i, child);
+    } else if (depth == kFinest - 1) {
+      changed |= updateFinestFamily(node, i, child, hits_of[i], bounds);
+    } else {
+      changed |= updateInnerChild(node, i, child, hits_of[i]);
+    }
   }
   if (!node->isLeaf()) refresh(node);
   return changed;
 }
 
-bool FrameIntegrator::updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits,
-                                       const SiblingBounds& bounds) {
+/// Children that are leaves and cannot become more free, as bits.
+unsigned FrameIntegrator::settledChildren(const IorOcTreeNode* node) const {
+  unsigned settled = 0;
+  for (unsigned mask = node->childMask(); mask != 0; mask &= mask - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(mask));
+    const IorOcTreeNode* child = node->child(i);
+    settled |= static_cast<unsigned>(child->isLeaf() && child->getLogOdds() <= lowest_) << i;
+  }
+  return settled;
+}
+
+bool FrameIntegrator::freeChild(IorOcTreeNode* node, unsigned i, const Place& place) {
+  if ((node->childMask() >> i & 1u) != 0) return freeSubtree(node->child(i), place);
+  miss(tree_->createNodeChild(node, i), place);
+  return true;
+}
+
+bool FrameIntegrator::updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits) {
   const bool fresh = (node->childMask() >> i & 1u) == 0;
-  IorOcTreeNode* child = fresh ? nullptr : node->child(i);
-  if (hits.empty()) {
-    if (!fresh && child->isLeaf() && child->getLogOdds() <= lowest_) return false;  // cannot become more free
-    const Sight sight = sightOf(bounds, i);
-    if (sight == Sight::kHidden) return false;
-    if (sight == Sight::kFree) {
-      if (fresh) {
-        miss(tree_->createNodeChild(node, i), place);
-        return true;
-      }
-      return freeSubtree(child, place);
-    }
-  }
-  if (fresh) {
-    child = tree_->createNodeChild(node, i);
-  } else if (child->isLeaf()) {
-    tree_->expandNode(child);
-  }
+  IorOcTreeNode* child = fresh ? tree_->createNodeChild(node, i) : node->child(i);
+  if (!fresh && child->isLeaf()) tree_->expandNode(child);
   const bool changed = updateChildren(child, place, hits);
   if (fresh && !changed) tree_->deleteNodeChild(node, i);  // opened in vain
   return changed;
@@ -257,26 +232,10 @@ bool FrameIntegrator::updateFinestFamily(IorOcTreeNode* node, unsigned i, const 
   IorOcTreeNode* family = fresh ? nullptr : node->child(i);
   const bool coarse = !fresh && family->isLeaf();
   unsigned hit_mask = 0, wanted = 0xFF;
-  for (const EndpointLeaves::Hit& hit : hits) hit_mask |= 1u << (hit.code & 7u);
-  if (coarse && family->getLogOdds() <= lowest_) {
-    if (hits.empty()) return false;
-    wanted = 0;
-  } else if (hits.empty()) {
-    const Sight sight = sightOf(bounds, i);
-    if (sight == Sight::kHidden) return false;
-    if (sight == Sight::kFree) {
-      if (!fresh) return freeSubtree(family, place);
-      miss(tree_->createNodeChild(node, i), place);
-      return true;
-    }
-  }
+  for (const EndpointLeaves::Endpoint& hit : hits) hit_mask |= 1u << (hit.code & 7u);
+  if (coarse && family->getLogOdds() <= lowest_) wanted = 0;
   wanted &= ~hit_mask;
-  if (!fresh && !coarse) {
-    for (unsigned mask = family->childMask() & wanted; mask != 0; mask &= mask - 1) {
-      const auto k = static_cast<unsigned>(std::countr_zero(mask));
-      if (family->child(k)->getLogOdds() <= lowest_) wanted &= ~(1u << k);
-    }
-  }
+  if (!fresh && !coarse) wanted &= ~settledChildren(family);
   const unsigned missed = wanted != 0 ? passedLeaves(bounds, i, place, wanted) : 0;
   if ((missed | hit_mask) == 0) return false;
   if (fresh) family = tree_->createNodeChild(node, i);
@@ -293,7 +252,7 @@ bool FrameIntegrator::updateFinestFamily(IorOcTreeNode* node, unsigned i, const 
 }
 
 bool FrameIntegrator::applyToFinest(IorOcTreeNode* node, const Place& place, Hits hits, unsigned missed) {
-  for (const EndpointLeaves::Hit& endpoint : hits) {
+  for (const EndpointLeaves::Endpoint& endpoint : hits) {
     const auto k = static_cast<unsigned>(endpoint.code & 7u);
     const bool fresh = (node->childMask() >> k & 1u) == 0;
     hit(fresh ? tree_->createInFamily(node, k) : node->child(k), endpoint);
@@ -328,17 +287,10 @@ bool FrameIntegrator::freeSubtree(IorOcTreeNode* node, const Place& place) {
 }
 
 void FrameIntegrator::refresh(IorOcTreeNode* node) {
-  if (!tree_->pruneNode(node)) node->updateOccupancyChildren();
-}
-
-FrameIntegrator::Sight FrameIntegrator::sightOf(const SiblingBounds& bounds, unsigned i) const {
-  if (bounds.z_near[i] <= kNoBound) return Sight::kMixed;
-  const RayPyramid::Box box = rays_.box(bounds.u[i], bounds.v[i], bounds.du[i], bounds.dv[i]);
-  if (box.empty()) return Sight::kHidden;
-  const RayPyramid::Range range = rays_.range(box);
-  if (range.highest <= bounds.z_near[i]) return Sight::kHidden;
-  const float z_far = 2.0f * bounds.z[i] - bounds.z_near[i];
-  return !box.clipped && range.lowest > z_far ? Sight::kFree : Sight::kMixed;
+  // Most nodes show at a glance that they cannot be pruned.
+  const bool may_prune = node->childMask() == 0xFF && node->child(0)->isLeaf() && node->child(7)->isLeaf() &&
+                         node->child(0)->getLogOdds() == node->child(7)->getLogOdds();
+  if (!may_prune || !tree_->pruneNode(node)) node->updateOccupancyChildren();
 }
 
 unsigned FrameIntegrator::passedLeaves(const SiblingBounds& bounds, unsigned i, const Place& family,
@@ -346,9 +298,8 @@ unsigned FrameIntegrator::passedLeaves(const SiblingBounds& bounds, unsigned i, 
   const float low[3] = {static_cast<float>(family.x) - cube_.camera_leaves.x(),
                         static_cast<float>(family.y) - cube_.camera_leaves.y(),
                         static_cast<float>(family.z) - cube_.camera_leaves.z()};
-  if (bounds.z_near[i] <= kNoBound) return rays_.crossedLeaves(low, wanted);
-  const RayPyramid::Box box = rays_.box(bounds.u[i], bounds.v[i], bounds.du[i], bounds.dv[i]);
-  return box.empty() ? 0 : rays_.crossedLeaves(box, low, wanted);
+  if ((bounds.bounded >> i & 1u) == 0) return rays_.crossedLeaves(low, wanted);
+  return (bounds.empty >> i & 1u) != 0 ? 0 : rays_.crossedLeaves(bounds, i, low, wanted);
 }
 
 FrameIntegrator::Place FrameIntegrator::childPlace(const Place& place, unsigned i) const {
@@ -364,25 +315,22 @@ FrameIntegrator::Place FrameIntegrator::childPlace(const Place& place, unsigned 
           place.cz + s.dz[i]};
 }
 
-void FrameIntegrator::hit(IorOcTreeNode* leaf, const EndpointLeaves::Hit& endpoint) {
+void FrameIntegrator::hit(IorOcTreeNode* leaf, const EndpointLeaves::Endpoint& endpoint) {
   float log_odds = std::min(leaf->getLogOdds() + hit_, highest_);
   if (log_odds == 0.0f) log_odds = kNearlyZero;
   leaf->setLogOdds(log_odds);
   if (log_odds < occupied_) return;  // free leaves hold no payload
-  const EndpointLeaves::Seen& seen = endpoints_.seen(endpoint);
   LeafSurface surface = leaf->surface();
   const int memory = std::min<int>(surface.observations, kMeanMemory) + 1;
   if (has_color_) {
-    surface.blue = blend(surface.blue, seen.blue, seen.pixels, memory);
-    surface.green = blend(surface.green, seen.green, seen.pixels, memory);
-    surface.red = blend(surface.red, seen.red, seen.pixels, memory);
+    surface.blue = blend(surface.blue, endpoint.blue, memory);
+    surface.green = blend(surface.green, endpoint.green, memory);
+    surface.red = blend(surface.red, endpoint.red, memory);
   }
-  if (!maps_->normals.empty()) {
-    const auto width = static_cast<std::uint32_t>(depth_.width());
-    const cv::Vec3f& n =
-        maps_->normals(static_cast<int>(seen.first_pixel / width), static_cast<int>(seen.first_pixel % width));
-    if (n[0] != 0.0f || n[1] != 0.0f || n[2] != 0.0f) {
-      const Eigen::Vector3f n_W = R_WC_ * Eigen::Vector3f(n[0], n[1], n[2]);
+  if (has_normals_) {
+    const Eigen::Vector3f n_C(endpoint.normal_C[0], endpoint.normal_C[1], endpoint.normal_C[2]);
+    if (n_C != Eigen::Vector3f::Zero()) {
+      const Eigen::Vector3f n_W = R_WC_ * n_C;
       const Eigen::Vector3f mean(surface.nx, surface.ny, surface.nz);
       surface.setNormal((mean * (static_cast<float>(memory - 1) / 127.0f) + n_W).normalized());
     }

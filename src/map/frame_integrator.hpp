@@ -9,6 +9,7 @@
 
 #include "map/endpoint_leaves.hpp"
 #include "map/ray_pyramid.hpp"
+#include "map/sibling_bounds.hpp"
 #include "map/working_depth.hpp"
 #include "saccade/core/depth_maps.hpp"
 #include "saccade/core/frame.hpp"
@@ -16,23 +17,6 @@
 #include "saccade/map/ior_octree.hpp"
 
 namespace saccade {
-
-/// Bounds of eight sibling nodes in the image, one lane each, camera frame, lengths in leaves.
-struct SiblingBounds {
-  alignas(32) std::array<float, 8> z;       ///< depth of the centre
-  alignas(32) std::array<float, 8> z_near;  ///< smallest depth of the cube
-  alignas(32) std::array<float, 8> u, v;    ///< pixel of the centre; only where z_near > 0
-  alignas(32) std::array<float, 8> du, dv;  ///< half size of the box around the projected cube; only where z_near > 0
-  alignas(32) std::array<std::int32_t, 8> outside;  ///< not 0: wholly outside the viewing pyramid
-};
-
-/// What bounding siblings of one size needs of the camera: see boundSiblings().
-struct SiblingFrame {
-  alignas(32) std::array<float, 8> dx, dy, dz;  ///< centre of each sibling from the parent's centre, camera axes
-  float half = 0.0f;                            ///< half the sibling's edge
-  float z_reach = 0.0f;                         ///< half the depth a sibling spans
-  std::array<float, 4> plane_reach{};           ///< half the span along the normal of each side of the pyramid
-};
 
 /// Adds frames to the tree in one descent that touches each node once (DESIGN, "Integration").
 ///
@@ -48,14 +32,13 @@ class FrameIntegrator {
   IntegrationReport integrate(IorOcTree& tree, const DepthMaps& depth, const cv::Mat3b& color, const Pose& T_WC);
 
  private:
-  using Hits = std::span<const EndpointLeaves::Hit>;
+  using Hits = std::span<const EndpointLeaves::Endpoint>;
   /// A node on the way down: its lowest corner from the cube's base and its centre in the camera frame, in leaves.
   struct Place {
     int depth;
     std::uint32_t x, y, z;
     float cx, cy, cz;
   };
-  enum class Sight { kHidden, kFree, kMixed };
 
   void prepare(const DepthMaps& depth, const Pose& T_WC);
   void prepareSiblings(const PinholeCamera& camera);
@@ -63,18 +46,19 @@ class FrameIntegrator {
   bool updateFromRoot(IorOcTreeNode* node, int depth, const std::array<std::uint32_t, 3>& block_key, const Place& place,
                       Hits hits);
   bool updateChildren(IorOcTreeNode* node, const Place& place, Hits hits);
-  bool updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits, const SiblingBounds& bounds);
+  bool freeChild(IorOcTreeNode* node, unsigned i, const Place& place);
+  bool updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits);
   bool updateFinestFamily(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits, const SiblingBounds& bounds);
   bool applyToFinest(IorOcTreeNode* node, const Place& place, Hits hits, unsigned missed);
   bool freeSubtree(IorOcTreeNode* node, const Place& place);
   void refresh(IorOcTreeNode* node);
 
-  [[nodiscard]] Sight sightOf(const SiblingBounds& bounds, unsigned i) const;
+  [[nodiscard]] unsigned settledChildren(const IorOcTreeNode* node) const;
   [[nodiscard]] unsigned passedLeaves(const SiblingBounds& bounds, unsigned i, const Place& family,
                                       unsigned wanted) const;
   [[nodiscard]] Place childPlace(const Place& place, unsigned i) const;
 
-  void hit(IorOcTreeNode* leaf, const EndpointLeaves::Hit& seen);
+  void hit(IorOcTreeNode* leaf, const EndpointLeaves::Endpoint& endpoint);
   void miss(IorOcTreeNode* leaf, const Place& place);
   void reportForgotten(const Place& place);
 
@@ -85,12 +69,10 @@ class FrameIntegrator {
 
   // Of the frame in work:
   IorOcTree* tree_ = nullptr;
-  const DepthMaps* maps_ = nullptr;
-  bool has_color_ = false;
+  bool has_color_ = false, has_normals_ = false;
   Eigen::Matrix3f R_WC_, R_CW_;
   FrameCube cube_;
-  float fx_ = 0, fy_ = 0, cx_ = 0, cy_ = 0;
-  std::array<float, 12> planes_{};           // normals of the four sides of the viewing pyramid, camera frame
+  ProjectionConstants projection_;
   std::array<SiblingFrame, 17> siblings_{};  // by depth of the sibling
   float hit_ = 0, miss_ = 0, lowest_ = 0, highest_ = 0, occupied_ = 0;
   IntegrationReport report_;

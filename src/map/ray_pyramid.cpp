@@ -1,5 +1,7 @@
 #include "map/ray_pyramid.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -12,38 +14,74 @@ namespace {
 /// Cells beyond which the margin does not grow, however near the surface.
 constexpr int kLargestMargin = 32;
 
-float inverseOf(float component) {
+/// Smallest depth of the points (x, y, z), of which there are `count`.
+SACCADE_MULTIVERSION float nearestDepth(const float* x, const float* y, const float* z, std::size_t count,
+                                        const EndProjection& p) {
+  float nearest = 3.0e38f;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float depth =
+        p.R_CW[6] * (x[i] - p.camera[0]) + p.R_CW[7] * (y[i] - p.camera[1]) + p.R_CW[8] * (z[i] - p.camera[2]);
+    nearest = depth < nearest ? depth : nearest;
+  }
+  return nearest;
+}
+
+/// Inverse components of the vectors from the camera to the points, their depths and cells.
+SACCADE_MULTIVERSION void projectEnds(const float* x, const float* y, const float* z, std::size_t count,
+                                      const EndProjection& p, float* inverse_x, float* inverse_y, float* inverse_z,
+                                      float* depth, std::int32_t* cell, std::int32_t* place) {
   constexpr float kSmallest = 1e-6f;  // keeps rays along a plane of leaf walls free of 0 * infinity
-  return 1.0f / (std::fabs(component) < kSmallest ? std::copysign(kSmallest, component) : component);
+  const auto inverse = [](float component) {
+    const float magnitude = std::fabs(component) < kSmallest ? kSmallest : std::fabs(component);
+    return 1.0f / std::copysign(magnitude, component);
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const float dx = x[i] - p.camera[0], dy = y[i] - p.camera[1], dz = z[i] - p.camera[2];
+    const float px = p.R_CW[0] * dx + p.R_CW[1] * dy + p.R_CW[2] * dz;
+    const float py = p.R_CW[3] * dx + p.R_CW[4] * dy + p.R_CW[5] * dz;
+    const float far = p.R_CW[6] * dx + p.R_CW[7] * dy + p.R_CW[8] * dz;
+    const float pz = far > 1e-3f ? far : 1e-3f;
+    const float u = p.fx * px / pz + p.cx, v = p.fy * py / pz + p.cy;
+    const float column = u < 0.0f ? 0.0f : u > p.last_x ? p.last_x : u;
+    const float row = v < 0.0f ? 0.0f : v > p.last_y ? p.last_y : v;
+    const auto cell_x = static_cast<std::int32_t>(column), cell_y = static_cast<std::int32_t>(row);
+    cell[i] = cell_y * p.width + cell_x;
+    place[i] = (cell_y & ~1) * p.width + 2 * cell_x + (cell_y & 1);
+    depth[i] = pz;
+    inverse_x[i] = inverse(dx);
+    inverse_y[i] = inverse(dy);
+    inverse_z[i] = inverse(dz);
+  }
 }
 
 /// Rays tested together: a row of the box is rounded up to these, with rays of the cells beside it.
 constexpr std::size_t kBatch = kLanes;
 
-/// The bits that any lane has.
-SACCADE_INLINE unsigned bitsOf(const IntLanes& lanes) {
-  using Halves = std::int64_t __attribute__((vector_size(32)));
-  const auto halves = reinterpret_cast<Halves>(lanes);
-  const std::int64_t both = halves[0] | halves[1] | halves[2] | halves[3];
-  return static_cast<unsigned>(both | both >> 32) & 0xFFu;
-}
-
-/// Bits of the family's leaves that one of the rays of some rows crosses: per axis the shares of the ray's length at
-/// which it enters and leaves the lower and the upper half, then the eight combinations. Row y holds the rays from
-/// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches. Stops when all `wanted` are crossed.
+/// Bits of the family's leaves that one of the rays of some runs crosses: per axis the shares of the ray's length at
+/// which it enters and leaves the lower and the upper half, then the eight combinations. Run y holds the rays from
+/// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches.
 SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, const float* all_z,
-                                        const std::uint32_t* first, const std::uint32_t* last, std::size_t rows,
-                                        std::size_t stride, const float* low, unsigned wanted) {
+                                        const std::uint32_t* first, const std::uint32_t* last, std::size_t runs,
+                                        std::size_t stride, const float* low) {
   const float low_x = low[0], low_y = low[1], low_z = low[2];
   const FloatLanes start = {}, end_of_ray = allLanes(1.0f);  // shares of a ray
-  unsigned crossed_by_any = 0;
-  for (std::size_t row = 0; row < rows; ++row) {
-    const std::uint32_t begin = first[row * stride], end = last[row * stride];
-    const float *ix = all_x + begin, *iy = all_y + begin, *iz = all_z + begin;
-    const std::size_t n = (end - begin + kBatch - 1) / kBatch * kBatch;
-    IntLanes crossed = {};
-    for (std::size_t k = 0; k < n; k += kBatch) {
-      const FloatLanes step_x = loadLanes(ix + k), step_y = loadLanes(iy + k), step_z = loadLanes(iz + k);
+  // Of the whole family first: half of those that are asked for are crossed by none of the rays beside them.
+  IntLanes entered = {};
+  for (std::size_t run = 0; run < runs; ++run) {
+    for (std::uint32_t k = first[run * stride]; k < last[run * stride]; k += kBatch) {
+      const FloatLanes step_x = loadLanes(all_x + k), step_y = loadLanes(all_y + k), step_z = loadLanes(all_z + k);
+      const FloatLanes x0 = low_x * step_x, x2 = x0 + step_x + step_x;
+      const FloatLanes y0 = low_y * step_y, y2 = y0 + step_y + step_y;
+      const FloatLanes z0 = low_z * step_z, z2 = z0 + step_z + step_z;
+      entered |= most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2))) <
+                 least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2)));
+    }
+  }
+  if (!any(entered)) return 0;
+  IntLanes crossed = {};
+  for (std::size_t run = 0; run < runs; ++run) {
+    for (std::uint32_t k = first[run * stride]; k < last[run * stride]; k += kBatch) {
+      const FloatLanes step_x = loadLanes(all_x + k), step_y = loadLanes(all_y + k), step_z = loadLanes(all_z + k);
       const FloatLanes x0 = low_x * step_x, x1 = x0 + step_x, x2 = x1 + step_x;
       const FloatLanes y0 = low_y * step_y, y1 = y0 + step_y, y2 = y1 + step_y;
       const FloatLanes z0 = low_z * step_z, z1 = z0 + step_z, z2 = z1 + step_z;
@@ -63,34 +101,65 @@ SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, 
           ((most(in_00, in_z1) < least(out_00, out_z1)) & 16) | ((most(in_10, in_z1) < least(out_10, out_z1)) & 32) |
           ((most(in_01, in_z1) < least(out_01, out_z1)) & 64) | ((most(in_11, in_z1) < least(out_11, out_z1)) & 128);
     }
-    crossed_by_any |= bitsOf(crossed);
-    if ((crossed_by_any & wanted) == wanted) break;
   }
-  return crossed_by_any & wanted;
+  return orOf(crossed);
 }
 
 }  // namespace
 
-unsigned RayPyramid::crossedLeaves(const Box& box, const float* low, unsigned wanted) const {
-  const std::size_t row = static_cast<std::size_t>(box.y0) * static_cast<std::size_t>(width_);
-  const std::uint32_t* starts = &starts_[row];
-  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), starts + box.x0, starts + box.x1 + 1,
-                   static_cast<std::size_t>(box.y1 - box.y0) + 1, static_cast<std::size_t>(width_), low, wanted);
+SACCADE_MULTIVERSION RayPyramid::Sights RayPyramid::sights(const Level* levels, const SiblingBounds& siblings,
+                                                           unsigned asked) {
+  Sights sights;
+  const IntLanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  for (; asked != 0; asked &= asked - 1) {
+    const auto i = static_cast<unsigned>(std::countr_zero(asked));
+    const std::int32_t x0 = siblings.x0[i], y0 = siblings.y0[i], x1 = siblings.x1[i], y1 = siblings.y1[i];
+    // The finest level on which the box is at most four blocks wide and high.
+    const auto extent = static_cast<unsigned>(std::max(x1 - x0, y1 - y0));
+    const int level = extent <= 2 ? 0 : std::bit_width(extent / 3);
+    const Level& l = levels[level];
+    const std::int32_t first_x = x0 >> level;
+    const IntLanes in_box = lane < 2 * ((x1 >> level) - first_x + 1);
+    const float* row = &l.blocks[static_cast<std::size_t>((y0 >> level) * l.width + first_x)].minus_lowest;
+    FloatLanes bounds = {-3.0e38f, 0, -3.0e38f, 0, -3.0e38f, 0, -3.0e38f, 0};
+    const FloatLanes none = bounds;
+    for (std::int32_t y = y0 >> level; y <= y1 >> level; ++y, row += 2 * l.width) {
+      bounds = most(bounds, in_box ? loadLanes(row) : none);
+    }
+    alignas(32) float b[kLanes];
+    storeLanes(bounds, b);
+    const float minus_lowest = std::max(std::max(b[0], b[2]), std::max(b[4], b[6]));
+    const float highest = std::max(std::max(b[1], b[3]), std::max(b[5], b[7]));
+    const bool hidden = highest <= siblings.near[i];
+    sights.hidden |= static_cast<unsigned>(hidden) << i;
+    sights.free |= static_cast<unsigned>(!hidden && -minus_lowest > siblings.far[i]) << i;
+  }
+  sights.free &= ~siblings.clipped;
+  return sights;
+}
+
+unsigned RayPyramid::crossedLeaves(const SiblingBounds& bounds, unsigned i, const float* low, unsigned wanted) const {
+  const std::int32_t first_y = bounds.y0[i] & ~1;
+  const std::uint32_t* first = &starts_[placeOf(bounds.x0[i], first_y)];
+  const std::uint32_t* last = first + 2 * (bounds.x1[i] - bounds.x0[i] + 1);
+  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), first, last,
+                   static_cast<std::size_t>(bounds.y1[i] - first_y) / 2 + 1, 2 * static_cast<std::size_t>(width_),
+                   low) &
+         wanted;
 }
 
 unsigned RayPyramid::crossedLeaves(const float* low, unsigned wanted) const {
   const std::uint32_t begin = 0, end = static_cast<std::uint32_t>(ray_count_);
-  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), &begin, &end, 1, 0, low, wanted);
+  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), &begin, &end, 1, 0, low) & wanted;
 }
 
 void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& depth, const PinholeCamera& camera,
                        const Eigen::Matrix3f& R_CW, const FrameCube& cube) {
-  float nearest = 3.0e38f;
-  for (const auto& hit : endpoints.hits()) {
-    const EndpointLeaves::Seen& seen = endpoints.seen(hit);
-    const Eigen::Vector3f d = seen.centre() - cube.camera_leaves;
-    nearest = std::min(nearest, R_CW.row(2).dot(d));
-  }
+  EndProjection projection{};
+  for (std::size_t i = 0; i < 3; ++i) projection.camera[i] = cube.camera_leaves[static_cast<Eigen::Index>(i)];
+  for (int i = 0; i < 9; ++i) projection.R_CW[i] = R_CW(i / 3, i % 3);
+  const auto& [x, y, z] = endpoints.centres();
+  const float nearest = nearestDepth(x.data(), y.data(), z.data(), x.size(), projection);
   // Half a leaf's diagonal, as it looks at the nearest point.
   const double pixels = 0.87 * std::max(camera.fx, camera.fy) / std::max(1.0, static_cast<double>(nearest));
   margin_ = std::min(kLargestMargin, static_cast<int>(pixels / 2.0) + 1);
@@ -99,9 +168,10 @@ void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& dept
   if (levels_.empty()) levels_.emplace_back();
   levels_[0].width = width_;
   levels_[0].height = height_;
-  levels_[0].blocks.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), Range{0.0f, 0.0f});
+  levels_[0].blocks.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) + kLanes, Range{0, 0});
   boundPixels(depth);
-  projectRays(endpoints, camera, R_CW, cube);
+  projectRays(endpoints, camera, projection);
+  groupRays();
   buildLevels();
 }
 
@@ -112,39 +182,49 @@ void RayPyramid::boundPixels(const WorkingDepth& depth) {
     Range* out = &levels_[0].blocks[static_cast<std::size_t>(y + margin_) * static_cast<std::size_t>(width_) +
                                     static_cast<std::size_t>(margin_)];
     for (int x = 0; 2 * x + 1 < depth.width(); ++x) {
-      out[x].lowest = std::min(std::min(a[2 * x], a[2 * x + 1]), std::min(b[2 * x], b[2 * x + 1]));
+      out[x].minus_lowest = -std::min(std::min(a[2 * x], a[2 * x + 1]), std::min(b[2 * x], b[2 * x + 1]));
     }
   }
 }
 
-void RayPyramid::projectRays(const EndpointLeaves& endpoints, const PinholeCamera& camera, const Eigen::Matrix3f& R_CW,
-                             const FrameCube& cube) {
-  projected_.clear();
-  const auto fx = static_cast<float>(0.5 * camera.fx), fy = static_cast<float>(0.5 * camera.fy);
-  const auto cx = static_cast<float>(0.5 * camera.cx + 0.25 + margin_);
-  const auto cy = static_cast<float>(0.5 * camera.cy + 0.25 + margin_);
-  starts_.assign(levels_[0].blocks.size() + 1, 0);
-  for (const auto& hit : endpoints.hits()) {
-    const Eigen::Vector3f d = endpoints.seen(hit).centre() - cube.camera_leaves;
-    const Eigen::Vector3f p = R_CW * d;
-    const float z = std::max(p.z(), 1e-3f);
-    const float x = std::clamp(fx * p.x() / z + cx, 0.0f, static_cast<float>(width_) - 1.0f);
-    const float y = std::clamp(fy * p.y() / z + cy, 0.0f, static_cast<float>(height_) - 1.0f);
-    const std::uint32_t cell =
-        static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width_) + static_cast<std::uint32_t>(x);
-    projected_.push_back({cell, {inverseOf(d.x()), inverseOf(d.y()), inverseOf(d.z())}});
-    ++starts_[cell + 1];
-    levels_[0].blocks[cell].highest = std::max(levels_[0].blocks[cell].highest, z);
+void RayPyramid::projectRays(const EndpointLeaves& endpoints, const PinholeCamera& camera, EndProjection& projection) {
+  projection.fx = static_cast<float>(0.5 * camera.fx);
+  projection.fy = static_cast<float>(0.5 * camera.fy);
+  projection.cx = static_cast<float>(0.5 * camera.cx + 0.25 + margin_);
+  projection.cy = static_cast<float>(0.5 * camera.cy + 0.25 + margin_);
+  projection.last_x = static_cast<float>(width_) - 1.0f;
+  projection.last_y = static_cast<float>(height_) - 1.0f;
+  projection.width = width_;
+  Projected& p = projected_;
+  const auto& [x, y, z] = endpoints.centres();
+  ray_count_ = x.size();
+  for (auto* values : {&p.inverse_x, &p.inverse_y, &p.inverse_z, &p.depth}) values->resize(ray_count_);
+  p.cell.resize(ray_count_);
+  p.place.resize(ray_count_);
+  projectEnds(x.data(), y.data(), z.data(), ray_count_, projection, p.inverse_x.data(), p.inverse_y.data(),
+              p.inverse_z.data(), p.depth.data(), p.cell.data(), p.place.data());
+}
+
+/// Sorts the projected rays by cells.
+void RayPyramid::groupRays() {
+  starts_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>((height_ + 1) & ~1) + 1, 0);
+  const Projected& p = projected_;
+  for (std::size_t i = 0; i < ray_count_; ++i) {
+    ++starts_[static_cast<std::size_t>(p.place[i]) + 1];
+    float& highest = levels_[0].blocks[static_cast<std::size_t>(p.cell[i])].highest;
+    highest = std::max(highest, p.depth[i]);
   }
   for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
-  ray_count_ = projected_.size();
   constexpr float kNever = std::numeric_limits<float>::quiet_NaN();
-  for (auto* inverse : {&inverse_x_, &inverse_y_, &inverse_z_}) inverse->assign(ray_count_ + kBatch, kNever);
-  for (const Projected& p : projected_) {
-    const std::uint32_t i = starts_[p.cell]++;  // moves every start to its end
-    inverse_x_[i] = p.inverse[0];
-    inverse_y_[i] = p.inverse[1];
-    inverse_z_[i] = p.inverse[2];
+  for (auto* inverse : {&inverse_x_, &inverse_y_, &inverse_z_}) {
+    inverse->resize(ray_count_ + kBatch);
+    std::fill(inverse->end() - kBatch, inverse->end(), kNever);
+  }
+  for (std::size_t i = 0; i < ray_count_; ++i) {
+    const std::uint32_t place = starts_[static_cast<std::size_t>(p.place[i])]++;  // moves every start to its end
+    inverse_x_[place] = p.inverse_x[i];
+    inverse_y_[place] = p.inverse_y[i];
+    inverse_z_[place] = p.inverse_z[i];
   }
   for (std::size_t i = starts_.size() - 1; i > 0; --i) starts_[i] = starts_[i - 1];
   starts_[0] = 0;
@@ -158,15 +238,16 @@ void RayPyramid::buildLevels() {
     Level& level = levels_[count];
     level.width = (w + 1) / 2;
     level.height = (h + 1) / 2;
-    level.blocks.resize(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
+    level.blocks.resize(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height) + kLanes);
     for (int y = 0; y < level.height; ++y) {
       const Range* a = &finer.blocks[static_cast<std::size_t>(2 * y) * static_cast<std::size_t>(w)];
       const Range* b = 2 * y + 1 < h ? a + w : a;
       Range* out = &level.blocks[static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width)];
       for (int x = 0; x < level.width; ++x) {
         const int l = 2 * x, r = std::min(2 * x + 1, w - 1);
-        out[x] = {std::min(std::min(a[l].lowest, a[r].lowest), std::min(b[l].lowest, b[r].lowest)),
-                  std::max(std::max(a[l].highest, a[r].highest), std::max(b[l].highest, b[r].highest))};
+        out[x] = {
+            std::max(std::max(a[l].minus_lowest, a[r].minus_lowest), std::max(b[l].minus_lowest, b[r].minus_lowest)),
+            std::max(std::max(a[l].highest, a[r].highest), std::max(b[l].highest, b[r].highest))};
       }
     }
     w = level.width;

@@ -66,6 +66,7 @@ SourceDescription describe(const SimulationRequest& request, const FrameRange& r
                   "none of " + std::to_string(request.frames) + " from " + std::to_string(range.first) + " on");
   }
   description.camera = simulatedCamera();
+  description.color_camera = {description.camera, {}};
   description.intrinsics_origin = "the simulator";
   description.depth_units_per_metre = 1.0;
   description.depth_scale_origin = "the simulator measures in metres";

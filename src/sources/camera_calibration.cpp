@@ -4,6 +4,8 @@
 #include <fstream>
 #include <sstream>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
 #include "saccade/core/errors.hpp"
@@ -92,6 +94,7 @@ RgbdCalibration parseCalibration(const YAML::Node& root, const std::filesystem::
       calibration.depth_invalid.push_back(static_cast<std::uint16_t>(value));
     }
   }
+  if (depth["along_ray"]) calibration.depth_along_ray = depth["along_ray"].as<bool>();
   if (root["T_color_depth"]) {
     calibration.depth =
         DepthCamera{cameraAt(depth, path), distortionAt(depth, path), transformAt(root["T_color_depth"], path)};
@@ -109,6 +112,35 @@ RgbdCalibration loadCalibrationYaml(const std::filesystem::path& path) {
   } catch (const YAML::Exception& error) {
     throw IoError(path, "a camera calibration in YAML", error.what());
   }
+}
+
+std::string calibrationYaml(const RgbdCalibration& calibration) {
+  const auto camera = [](const PinholeCamera& c, const LensDistortion& lens) {
+    std::string text =
+        fmt::format("width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}", c.width, c.height, c.fx, c.fy, c.cx, c.cy);
+    if (!lens.isZero()) {
+      text += fmt::format(", distortion: [{}, {}, {}, {}, {}]", lens.k1, lens.k2, lens.p1, lens.p2, lens.k3);
+    }
+    return text;
+  };
+  std::string yaml = "color: {" + camera(calibration.color, calibration.color_distortion) + "}\ndepth: {";
+  std::vector<std::string> parts;
+  if (calibration.depth) parts.push_back(camera(calibration.depth->camera, calibration.depth->distortion));
+  if (calibration.depth_units_per_metre > 0) {
+    parts.push_back(fmt::format("units_per_metre: {}", calibration.depth_units_per_metre));
+  }
+  if (!calibration.depth_invalid.empty()) {
+    parts.push_back(fmt::format("invalid: [{}]", fmt::join(calibration.depth_invalid, ", ")));
+  }
+  if (calibration.depth_along_ray) parts.emplace_back("along_ray: true");
+  yaml += fmt::format("{}}}\n", fmt::join(parts, ", "));
+  if (!calibration.depth) return yaml;
+  yaml += "T_color_depth:   # takes points of the depth camera to the colour camera, metres\n";
+  const Eigen::Matrix4d T_CD = calibration.depth->T_CD.matrix();
+  for (int i = 0; i < 4; ++i) {
+    yaml += fmt::format("  - [{}, {}, {}, {}]\n", T_CD(i, 0), T_CD(i, 1), T_CD(i, 2), T_CD(i, 3));
+  }
+  return yaml;
 }
 
 RgbdCalibration loadCameraText(const std::filesystem::path& path) {

@@ -4,30 +4,11 @@
 #include "saccade/core/errors.hpp"
 #include "saccade/sources/label_folder.hpp"
 #include "sources/frame_list.hpp"
+#include "sources/image_names.hpp"
 #include "sources/pose_lines.hpp"
-#include "sources/text_numbers.hpp"
 
 namespace saccade {
 namespace {
-
-constexpr double kFramesPerSecond = 30.0;
-
-std::map<std::string, std::filesystem::path> imagesByName(const std::filesystem::path& folder) {
-  std::map<std::string, std::filesystem::path> images;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string extension = entry.path().extension().string();
-    if (extension == ".png" || extension == ".jpg" || extension == ".jpeg") {
-      images[entry.path().stem().string()] = entry.path();
-    }
-  }
-  return images;
-}
-
-/// The number that a name ends with: 12 for "learn_12".
-std::optional<double> trailingNumber(const std::string& name) {
-  const std::size_t last = name.find_last_not_of("0123456789");
-  return parseNumber(std::string_view(name).substr(last == std::string::npos ? 0 : last + 1));
-}
 
 /// Finds the poses of frames in a list that is keyed by name, by number, or by nothing but its order.
 void takePoses(const std::filesystem::path& path, FrameList& list) {
@@ -74,8 +55,8 @@ FrameList listLabelledFrames(const std::filesystem::path& folder) {
 
   FrameList list;
   list.description.kind = "labelled frames";
-  list.calibration = std::filesystem::exists(folder / "camera.yaml") ? loadCalibrationYaml(folder / "camera.yaml")
-                                                                     : loadCameraText(folder / "camera.txt");
+  list.calibration = std::filesystem::exists(folder / kCalibrationFile) ? loadCalibrationYaml(folder / kCalibrationFile)
+                                                                        : loadCameraText(folder / "camera.txt");
   if (!(list.calibration.depth_units_per_metre > 0)) {
     throw IoError(folder / list.calibration.origin, "the number of depth units per metre", "none");
   }
@@ -91,7 +72,7 @@ FrameList listLabelledFrames(const std::filesystem::path& folder) {
     FrameFiles files;
     files.name = name;
     // No stamps in this layout: the place in the sequence stands for the time.
-    files.stamp_s = static_cast<double>(list.frames.size()) / kFramesPerSecond;
+    files.stamp_s = static_cast<double>(list.frames.size()) / kUsualFramesPerSecond;
     files.color = path;
     files.depth = partner->second;
     if (labels) files.label = labels->find(name);

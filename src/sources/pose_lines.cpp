@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kMaxLengthError = 0.02;
 
-PoseLine parsePoseLine(std::size_t line, const std::vector<std::string_view>& words) {
-  PoseLine parsed{line, std::string(words[0]), parseNumber(words[0]), std::nullopt, ""};
-  if (words.size() != 8) {
+PoseLine parsePoseLine(std::size_t line, const std::vector<std::string_view>& words, std::size_t most_words) {
+  PoseLine parsed{line, std::string(words[0]), parseNumber(words[0]), std::nullopt, "", std::nullopt};
+  if (words.size() < 8 || words.size() > most_words) {
     parsed.complaint = std::to_string(words.size()) + " words instead of 8";
     return parsed;
   }
@@ -39,12 +39,13 @@ PoseLine parsePoseLine(std::size_t line, const std::vector<std::string_view>& wo
   pose.linear() = rotation.normalized().toRotationMatrix();
   pose.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
   parsed.pose = pose;
+  if (words.size() > 8) parsed.last = parseNumber(words[8]);
   return parsed;
 }
 
 }  // namespace
 
-std::vector<PoseLine> readPoseLines(const std::filesystem::path& path) {
+std::vector<PoseLine> readPoseLines(const std::filesystem::path& path, std::size_t most_words) {
   std::ifstream file(path);
   if (!file) throw IoError(path, "a trajectory (stamp tx ty tz qx qy qz qw)", "nothing that can be read");
   std::vector<PoseLine> lines;
@@ -52,7 +53,7 @@ std::vector<PoseLine> readPoseLines(const std::filesystem::path& path) {
   for (std::size_t line = 1; std::getline(file, text); ++line) {
     const std::vector<std::string_view> words = splitWords(text);
     if (words.empty() || words[0].front() == '#') continue;
-    lines.push_back(parsePoseLine(line, words));
+    lines.push_back(parsePoseLine(line, words, most_words));
   }
   return lines;
 }
@@ -73,7 +74,7 @@ std::optional<Pose> rigidFromMatrix(const Eigen::Matrix4d& matrix) {
   return pose;
 }
 
-std::optional<Pose> readPoseMatrix(const std::filesystem::path& path) {
+std::optional<Eigen::Matrix4d> readMatrix4(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();
@@ -86,7 +87,12 @@ std::optional<Pose> readPoseMatrix(const std::filesystem::path& path) {
     if (!number) return std::nullopt;
     matrix(i / 4, i % 4) = *number;
   }
-  return rigidFromMatrix(matrix);
+  return matrix;
+}
+
+std::optional<Pose> readPoseMatrix(const std::filesystem::path& path) {
+  const std::optional<Eigen::Matrix4d> matrix = readMatrix4(path);
+  return matrix ? rigidFromMatrix(*matrix) : std::nullopt;
 }
 
 }  // namespace saccade

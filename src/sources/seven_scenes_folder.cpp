@@ -11,7 +11,6 @@ namespace saccade {
 namespace {
 
 constexpr std::string_view kPrefix = "frame-";
-constexpr double kFramesPerSecond = 30.0;
 
 struct Part {
   std::int64_t number = 0;
@@ -36,7 +35,7 @@ bool isColor(const std::string& suffix) {
 }
 
 RgbdCalibration findCalibration(const std::filesystem::path& folder, std::vector<std::string>& remarks) {
-  if (std::filesystem::exists(folder / "camera.yaml")) return loadCalibrationYaml(folder / "camera.yaml");
+  if (std::filesystem::exists(folder / kCalibrationFile)) return loadCalibrationYaml(folder / kCalibrationFile);
   remarks.emplace_back(
       "no camera.yaml: depth is taken as registered to colour, although the Kinect of 7-Scenes does not register it");
   if (std::filesystem::exists(folder / "camera-intrinsics.txt")) {
@@ -65,7 +64,7 @@ FrameList listSevenScenes(const std::filesystem::path& folder) {
     if (!part) continue;
     FrameFiles& files = found[part->number];
     files.name = part->stem;
-    files.stamp_s = static_cast<double>(part->number) / kFramesPerSecond;
+    files.stamp_s = static_cast<double>(part->number) / kUsualFramesPerSecond;
     if (isColor(part->suffix)) files.color = entry.path();
     if (part->suffix == "depth.png") files.depth = entry.path();
   }

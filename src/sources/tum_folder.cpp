@@ -50,6 +50,7 @@ bool mentions(const std::string& text, const std::string& first, const std::stri
 
 RgbdCalibration findCalibration(const std::filesystem::path& folder, std::vector<std::string>& remarks) {
   if (std::filesystem::exists(folder / "intrinsics.yaml")) return loadCalibrationYaml(folder / "intrinsics.yaml");
+  if (std::filesystem::exists(folder / kCalibrationFile)) return loadCalibrationYaml(folder / kCalibrationFile);
   if (std::filesystem::exists(folder / "camera.txt")) return loadCameraText(folder / "camera.txt");
   const std::string name = std::filesystem::absolute(folder).lexically_normal().string();
   RgbdCalibration usual;

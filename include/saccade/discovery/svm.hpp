@@ -21,7 +21,7 @@ class Svm {
   [[nodiscard]] static Svm parse(std::string_view text);
 
   /// Probability of the class +1 of each of `count` rows of dimension() values, row after row.
-  /// 1 000 rows against 500 support vectors of 32 values: about 4 ms.
+  /// 1 000 rows against 200 support vectors of 36 values: about 0.7 ms with AVX2.
   void predict(std::span<const float> rows, std::size_t count, std::span<double> probability) const;
 
   /// Values of a row: the largest feature index of the model.

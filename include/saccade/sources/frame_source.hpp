@@ -21,10 +21,11 @@ enum class ReadStatus {
 
 /// What a source understood about its input; shown to the user before the first frame is processed.
 struct SourceDescription {
-  std::string kind;               ///< "7-Scenes folder", "TUM folder", "labelled frames", "simulated scene"
+  std::string kind;               ///< "7-Scenes folder", "MRPT rawlog", "OpenNI2 camera", ...
   std::string location;           ///< path or URI as given
-  std::int64_t frames = 0;        ///< frames that `--range` selected, as far as known in advance; -1 for live inputs
-  std::int64_t total_frames = 0;  ///< frames of the whole input, before `--range`; -1 for live inputs
+  bool is_live = false;           ///< a camera: frames that are not fetched in time are gone
+  std::int64_t frames = 0;        ///< frames that `--range` selected; -1: not known in advance, always so if live
+  std::int64_t total_frames = 0;  ///< frames of the whole input, before `--range`; -1: not known in advance
   std::int64_t dropped = 0;       ///< colour images that found no depth partner, and the reverse
   PinholeCamera camera;           ///< the colour camera C; every frame has this size
   DistortedCamera color_camera;   ///< of the input's own colour images, with its lens; frames are free of that
@@ -39,6 +40,12 @@ struct SourceDescription {
   std::vector<std::string> remarks;  ///< whatever else the user should know, one sentence each
 };
 
+/// What happened to a source up to now, beside the frames it gave.
+struct SourceProgress {
+  std::int64_t dropped = 0;  ///< frames of a live input that came faster than they were fetched
+  std::string end_reason;    ///< why there are no more frames, if that is not simply the input's end; one sentence
+};
+
 /// A sequence of RGB-D frames, read in order. Not thread-safe; ReadAhead decodes on its own thread.
 ///
 /// Opening a source that cannot work throws IoError; a single bad frame is kSkip.
@@ -51,6 +58,8 @@ class FrameSource {
   [[nodiscard]] virtual ReadStatus read(RgbdFrame& frame) = 0;
   /// Why the last read() returned kSkip: one sentence with path, expected and found.
   [[nodiscard]] virtual const std::string& skipReason() const = 0;
+  /// What happened so far; belongs to the thread that reads.
+  [[nodiscard]] virtual SourceProgress progress() const { return {}; }
 };
 
 /// Frames selected by `--range A:B:STEP`: indices first, first + step, ... below `end`.
@@ -63,7 +72,8 @@ struct FrameRange {
   [[nodiscard]] static FrameRange parse(const std::string& text);
 };
 
-/// Opens any supported input: a 7-Scenes, TUM or labelled-frames folder (the kind is detected), or `sim:SCENE`.
+/// Opens any supported input: a folder of frames in one of many layouts or a recording (the kind is detected, see
+/// docs/inputs.md), `openni2:` for a camera, or `sim:SCENE`.
 ///
 /// `labels` names a folder of label images kept elsewhere (see LabelFolder); empty: the input's own, if it has any.
 /// Throws IoError that says what was looked for and what was found, also where none of the first frames can be used.

@@ -1,0 +1,77 @@
+#include "saccade/sources/sensor_source.hpp"
+
+#include <array>
+#include <stdexcept>
+
+#include "saccade/core/errors.hpp"
+#include "saccade/simulation/simulated_source.hpp"
+#include "sources/frame_list.hpp"
+#include "sources/frames_as_sensor.hpp"
+
+namespace saccade {
+namespace {
+
+struct Layout {
+  const char* files;
+  bool (*matches)(const std::filesystem::path&);
+  FrameList (*list)(const std::filesystem::path&);
+};
+
+// The first that matches is taken, so the more particular come first.
+constexpr std::array kLayouts = {
+    Layout{"camera.yaml with images: (plain folder)", looksLikePlainFolder, listPlainFolder},
+    Layout{"frame-NNNNNN.color.png (7-Scenes)", looksLikeSevenScenes, listSevenScenes},
+    Layout{"rgb.txt and depth.txt (TUM)", looksLikeTum, listTum},
+    Layout{"associations.txt and *.freiburg, or *.depth (ICL-NUIM)", looksLikeIclNuim, listIclNuim},
+    Layout{"color/, depth/ and intrinsic/ (ScanNet)", looksLikeScanNet, listScanNet},
+    Layout{"rgb/, depth/ and calib/ (RTAB-Map)", looksLikeRtabMap, listRtabMap},
+    Layout{"N-color.png and N-depth.png, or NAME_N_depth.png (RGB-D Scenes)", looksLikeRgbdScenes, listRgbdScenes},
+    Layout{"color/, depth/ and intrinsics.json (Redwood, Open3D)", looksLikeRedwood, listRedwood},
+    Layout{"color/, depth/ and camera.txt (labelled frames)", looksLikeLabelledFrames, listLabelledFrames},
+};
+
+std::string contents(const std::filesystem::path& folder) {
+  constexpr int kShown = 6;
+  std::string names;
+  std::int64_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (++count <= kShown) names += (names.empty() ? "" : ", ") + entry.path().filename().string();
+  }
+  if (count == 0) return "an empty folder";
+  return counted(count, "entry") + ": " + names + (count > kShown ? ", ..." : "");
+}
+
+std::unique_ptr<SensorSource> openFolder(const std::filesystem::path& folder, const FrameRange& range,
+                                         const std::filesystem::path& labels) {
+  std::string looked_for;
+  for (const Layout& layout : kLayouts) {
+    looked_for += (looked_for.empty() ? "" : "; or ") + std::string(layout.files);
+    if (!layout.matches(folder)) continue;
+    FrameList list = layout.list(folder);
+    list.description.location = folder.string();
+    return openFrameList(std::move(list), range, labels);
+  }
+  throw IoError(folder, looked_for, contents(folder));
+}
+
+}  // namespace
+
+std::unique_ptr<SensorSource> openSensorSource(const std::string& input, const FrameRange& range,
+                                               const std::filesystem::path& labels) {
+  if (range.first < 0 || range.step < 1) {
+    throw std::invalid_argument("frame range: expected first >= 0 and step >= 1, found " + std::to_string(range.first) +
+                                " and " + std::to_string(range.step));
+  }
+  if (SimulationRequest::matches(input)) return std::make_unique<FramesAsSensor>(openSource(input, range, labels));
+  const std::filesystem::path path(input);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw IoError(path, "a folder of RGB-D frames, a recording or sim:SCENE", "nothing of that name");
+  }
+  if (!std::filesystem::is_directory(path, error)) {
+    throw IoError(path, "a folder of RGB-D frames, a recording or sim:SCENE", "a file of another kind");
+  }
+  return openFolder(path, range, labels);
+}
+
+}  // namespace saccade
