@@ -32,6 +32,8 @@ int main(int argc, char** argv) {
   saccade::app::addSaliency(program);
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
+  saccade::app::addVerify(program);
+  saccade::app::addRepair(program);
   saccade::app::addTrain(program);
   saccade::app::addExport(program);
   saccade::app::addImport(program);

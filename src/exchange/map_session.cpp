@@ -11,7 +11,7 @@ void writeMapSession(const IorMap& map, ExplorerConfig config, const MapOrigin& 
                      const std::filesystem::path& path, WhenSessionExists when_exists) {
   SessionWriter writer(path, when_exists);
   for (const NodeKey& root : listTiles(map)) {
-    writer.addBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(map, root))});
+    writer.putBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(map, root))});
   }
   SessionMetadata metadata;
   metadata.saccade_version = kVersion;

@@ -1,7 +1,7 @@
 #include "session/map_snapshot.hpp"
 
 #include <algorithm>
-#include <iterator>
+#include <numeric>
 
 #include "saccade/map/map_tiles.hpp"
 #include "session/map_blobs.hpp"
@@ -33,7 +33,11 @@ void MapSnapshot::add(BlobTable table, std::uint64_t key, std::uint64_t items, c
 
 MapChanges MapChanges::noneIn(Explorer& explorer) {
   MapChanges changes;
-  for (const TileChange& tile : takeTileChanges(explorer.map())) changes.tiles_.push_back(tileKey(tile.root));
+  std::vector<std::byte> bytes;
+  for (const TileChange& tile : takeTileChanges(explorer.map())) {
+    bytes.clear();
+    changes.tiles_.push_back({tileKey(tile.root), appendTile(tile.node, bytes)});
+  }
   std::sort(changes.tiles_.begin(), changes.tiles_.end());
   changes.surface_changes_ = explorer.surface().changes();
   changes.bricks_ = explorer.surface().bricks().size();
@@ -41,21 +45,36 @@ MapChanges MapChanges::noneIn(Explorer& explorer) {
   return changes;
 }
 
+const MapChanges::Tile* MapChanges::find(std::uint64_t key) const {
+  const auto at = std::lower_bound(tiles_.begin(), tiles_.end(), Tile{key, 0});
+  return at != tiles_.end() && at->key == key ? &*at : nullptr;
+}
+
+std::int64_t MapChanges::leaves() const {
+  return std::accumulate(tiles_.begin(), tiles_.end(), std::int64_t{0}, [](std::int64_t sum, const Tile& tile) {
+    return sum + static_cast<std::int64_t>(tile.leaves);
+  });
+}
+
 void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot) {
   snapshot.clear();
-  std::vector<std::uint64_t> tiles;
-  for (const TileChange& tile : takeTileChanges(explorer.map())) {
-    const std::uint64_t key = tileKey(tile.root);
-    tiles.push_back(key);
-    if (!tile.changed && std::binary_search(tiles_.begin(), tiles_.end(), key)) continue;
+  std::vector<Tile> tiles;
+  for (const TileChange& change : takeTileChanges(explorer.map())) {
+    const std::uint64_t key = tileKey(change.root);
+    const Tile* known = find(key);
+    if (!change.changed && known != nullptr) {
+      tiles.push_back(*known);
+      continue;
+    }
     const std::size_t begin = snapshot.bytes_.size();
-    appendTile(tile.node, snapshot.bytes_);
-    snapshot.parts_.push_back({BlobTable::kTiles, key, 1, begin, snapshot.bytes_.size() - begin});
+    tiles.push_back({key, appendTile(change.node, snapshot.bytes_)});
+    snapshot.parts_.push_back({BlobTable::kTiles, key, tiles.back().leaves, begin, snapshot.bytes_.size() - begin});
   }
   std::sort(tiles.begin(), tiles.end());
-  std::set_difference(tiles_.begin(), tiles_.end(), tiles.begin(), tiles.end(),
-                      std::back_inserter(snapshot.removed_tiles_));
-  tiles_ = std::move(tiles);
+  std::swap(tiles, tiles_);
+  for (const Tile& old : tiles) {
+    if (find(old.key) == nullptr) snapshot.removed_tiles_.push_back(old.key);
+  }
 
   const SurfaceVolume& surface = explorer.surface();
   for (std::size_t i = 0; i < surface.bricks().size(); ++i) {

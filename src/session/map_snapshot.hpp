@@ -48,9 +48,20 @@ class MapChanges {
   /// Fills `snapshot` with what changed since the last call. Cost: the changed parts, and a glance at each tile and
   /// brick.
   void take(Explorer& explorer, MapSnapshot& snapshot);
+  /// Leaves of the map at the last call.
+  [[nodiscard]] std::int64_t leaves() const;
 
  private:
-  std::vector<std::uint64_t> tiles_;  // keys that the session holds, in rising order
+  /// A tile that the session holds.
+  struct Tile {
+    std::uint64_t key;
+    std::size_t leaves;
+    friend auto operator<=>(const Tile&, const Tile&) = default;
+  };
+
+  [[nodiscard]] const Tile* find(std::uint64_t key) const;
+
+  std::vector<Tile> tiles_;  // in rising order of their keys
   std::uint64_t surface_changes_ = 0;
   std::size_t bricks_ = 0;
   std::size_t ticks_ = 0;

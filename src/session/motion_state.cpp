@@ -15,8 +15,8 @@ constexpr std::size_t kNumbers = 8;  // known, stamp, linear and angular velocit
 }  // namespace
 
 std::string encodeMotion(const MotionPredictor::State& state) {
-  const std::array<double, kNumbers> numbers = {state.known ? 1.0 : 0.0, state.stamp_s,       state.linear_C.x(),
-                                                state.linear_C.y(),      state.linear_C.z(),  state.angular_C.x(),
+  const std::array<double, kNumbers> numbers = {state.known ? 1.0 : 0.0, state.stamp_s,      state.linear_C.x(),
+                                                state.linear_C.y(),      state.linear_C.z(), state.angular_C.x(),
                                                 state.angular_C.y(),     state.angular_C.z()};
   return poseBytes(state.T_WC) + std::string(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
 }

@@ -102,7 +102,7 @@ void SessionSink::fill() {
   changes_->take(explorer_, checkpoint_->map);
   checkpoint_->state[kMotionState] = encodeMotion(explorer_.motion());
   metadata_.tick = explorer_.map().now().value;
-  metadata_.leaves = static_cast<std::int64_t>(explorer_.map().leafCount());
+  metadata_.leaves = changes_->leaves();
   checkpoint_->metadata = metadata_;
 }
 
@@ -114,8 +114,8 @@ void SessionSink::finish() {
 void resumeFrom(const SessionReader& session, Explorer& explorer) {
   const std::optional<std::string> motion = session.state(kMotionState);
   if (!motion) throw IoError(session.path(), "the state of a tracked exploration to go on with", "none");
-  explorer.restore({loadMap(session), loadSurface(session), loadAttendLog(session),
-                    decodeMotion(*motion, session.path())});
+  explorer.restore(
+      {loadMap(session), loadSurface(session), loadAttendLog(session), decodeMotion(*motion, session.path())});
 }
 
 }  // namespace saccade

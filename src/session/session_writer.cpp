@@ -1,6 +1,7 @@
 #include "saccade/session/session_writer.hpp"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -136,13 +137,15 @@ void SessionWriter::begin() {
 }
 
 void SessionWriter::addRun(const RunRecord& run) {
+  next_ordinal_ = std::max(next_ordinal_, run.first.value);
   database_->use("room for another run", [&] {
     insert(statements_->run, next_ordinal_, run.input, run.input_kind, run.started_utc, run.saccade_version);
   });
 }
 
 FrameOrdinal SessionWriter::addFrame(const FrameRecord& frame) {
-  const FrameOrdinal ordinal{next_ordinal_++};
+  const FrameOrdinal ordinal{std::max(next_ordinal_, frame.ordinal.value)};
+  next_ordinal_ = ordinal.value + 1;
   std::array<std::optional<double>, 7> pose;
   if (frame.T_WC) {
     const Eigen::Vector3d t = frame.T_WC->translation();

@@ -42,9 +42,10 @@ class SessionWriter {
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  /// Begins a run: the frames to come belong to it. `run` and `first` are filled in.
+  /// Begins a run: the frames to come belong to it. `run` is filled in, and `first` with the next ordinal unless it is
+  /// later than that.
   void addRun(const RunRecord& run);
-  /// Adds a frame as the next one, whatever its `ordinal` says, and returns that.
+  /// Adds a frame as the next one, or under its own ordinal if that is later, and returns which it is.
   FrameOrdinal addFrame(const FrameRecord& frame);
   void addMetrics(const MetricsRecord& metrics);
   void addCandidate(const CandidateRecord& candidate);
