@@ -16,5 +16,8 @@ void addTrain(CLI::App& program);
 void addVerify(CLI::App& program);
 void addExport(CLI::App& program);
 void addImport(CLI::App& program);
+void addForget(CLI::App& program);
+void addDiff(CLI::App& program);
+void addMerge(CLI::App& program);
 
 }  // namespace saccade::app

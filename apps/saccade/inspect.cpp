@@ -1,3 +1,5 @@
+#include "inspect.hpp"
+
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -10,11 +12,6 @@
 
 namespace saccade::app {
 namespace {
-
-struct Options {
-  std::string session;
-  bool json = false;
-};
 
 struct Summary {
   SessionMetadata metadata;
@@ -123,13 +120,15 @@ void printText(const Summary& s, const std::string& path) {
 }  // namespace
 
 void addInspect(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto target = std::make_shared<InspectTarget>();
   CLI::App* command = program.add_subcommand("inspect", "Say what a session holds; reads, never writes");
-  command->add_option("SESSION", options->session, "a *.saccade file")->required();
-  command->add_flag("--json", options->json, "print JSON");
-  command->callback([options] {
-    const Summary summary = summarise(options->session);
-    options->json ? printJson(summary) : printText(summary, options->session);
+  command->add_option("SESSION", target->session, "a *.saccade file")->required();
+  command->add_flag("--json", target->json, "print JSON");
+  addInspectObjects(*command, target);
+  command->callback([target, command] {
+    if (!command->get_subcommands().empty()) return;  // the question was answered
+    const Summary summary = summarise(target->session);
+    target->json ? printJson(summary) : printText(summary, target->session);
   });
 }
 

@@ -37,6 +37,9 @@ int main(int argc, char** argv) {
   saccade::app::addTrain(program);
   saccade::app::addExport(program);
   saccade::app::addImport(program);
+  saccade::app::addForget(program);
+  saccade::app::addDiff(program);
+  saccade::app::addMerge(program);
   try {
     program.parse(argc, argv);
     return kDone;

@@ -22,7 +22,7 @@ function(saccade_require_library target header library debian_package)
 endfunction()
 
 saccade_require(Eigen3 libeigen3-dev)
-saccade_require(OpenCV "libopencv-contrib-dev" COMPONENTS core imgproc imgcodecs videoio ximgproc)
+saccade_require(OpenCV "libopencv-contrib-dev" COMPONENTS core imgproc imgcodecs videoio ximgproc features2d calib3d)
 saccade_require(Threads libc6-dev)
 saccade_require(TBB libtbb-dev)
 saccade_require(yaml-cpp libyaml-cpp-dev)

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include "pipeline/stage_clock.hpp"
 #include "saccade/discovery/candidate_mask.hpp"
@@ -43,6 +44,9 @@ struct Explorer::Stages {
         surface(c.surface),
         motion(c.motion),
         tracker(c.tracking),
+        keyframes(c.keyframes),
+        extractor(c.features),
+        relocaliser(c.relocalisation, c.verification, c.tracking),
         renderer(c.rendering) {}
 
   ExplorerConfig config;
@@ -54,6 +58,9 @@ struct Explorer::Stages {
   SurfaceVolume surface;
   MotionPredictor motion;
   Tracker tracker;
+  KeyframeSet keyframes;
+  FeatureExtractor extractor;
+  Relocaliser relocaliser;
   Renderer renderer;
   BackProjector projector;
   AttendLog log;
@@ -65,7 +72,10 @@ struct Explorer::Stages {
 
   [[nodiscard]] std::vector<StageTime> perceptionTimes() const;
   Tracking track(double stamp_s, StageClock& clock);
+  void relocalise(const RgbdFrame& frame, FrameReport& report, StageClock& clock);
+  void remember(std::shared_ptr<const Keyframe> keyframe);
   const IorView* mapFrame(const RgbdFrame& frame, const Tracking& tracking, StageClock& clock);
+  [[nodiscard]] bool becomesKeyframe(const Tracking& tracking) const;
   void attend(FrameReport& report);
 };
 
@@ -82,6 +92,21 @@ Tracking Explorer::Stages::track(double stamp_s, StageClock& clock) {
   return clock.time("track", [&] { return tracker.track(depth, model, prediction); });
 }
 
+/// Looks for a lost camera among the keyframes. If the surface verifies a place, tracking goes on from there.
+void Explorer::Stages::relocalise(const RgbdFrame& frame, FrameReport& report, StageClock& clock) {
+  if (report.tracking.status != TrackingStatus::kLost || depth.depth_m.empty() || keyframes.all().empty()) return;
+  const auto place =
+      clock.time("relocalise", [&] { return relocaliser.find(extractor.extract(frame.color, depth), depth, surface); });
+  if (!place) return;
+  report.tracking = place->tracking;
+  report.relocalised = true;
+}
+
+void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
+  relocaliser.add(keyframe);
+  keyframes.add(std::move(keyframe));
+}
+
 /// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost.
 const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const Tracking& tracking, StageClock& clock) {
   if (tracking.status == TrackingStatus::kLost) return nullptr;
@@ -91,6 +116,10 @@ const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const Tracking
     forgotten = clock.time("integrate map", [&] { return map.integrate(depth, frame.color, tracking.T_WC).forgotten; });
   }
   return clock.time("2D IOR map", [&] { return &renderer.renderIor(map.view(), camera, tracking.T_WC); });
+}
+
+bool Explorer::Stages::becomesKeyframe(const Tracking& tracking) const {
+  return tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty() && keyframes.wants(tracking.T_WC);
 }
 
 /// Attends the leaves that the masks of the best candidates show, which closes the tick (paper, "3D IOR map update").
@@ -142,6 +171,9 @@ IorMap& Explorer::map() {
 }
 const SurfaceVolume& Explorer::surface() const {
   return stages_->surface;
+}
+const KeyframeSet& Explorer::keyframes() const {
+  return stages_->keyframes;
 }
 const AttendLog& Explorer::attendLog() const {
   return stages_->log;
@@ -199,11 +231,20 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
   tbb::parallel_invoke([&] { s.perceiver.perceive(frame.color, has_depth ? &s.depth : nullptr, s.seen); },
                        [&] {
                          report.tracking = believed ? *believed : s.track(frame.stamp_s, clock);
+                         if (!believed) s.relocalise(frame, report, clock);
                          report.ior = s.mapFrame(frame, report.tracking, clock);
+                         if (report.relocalised) s.motion.rest();  // the jump was no motion
                        });
   report.seen = &s.seen;
   report.depth = has_depth ? &s.depth : nullptr;
 
+  tbb::task_group remembering;  // a keyframe's features: beside the ranking, which needs one thread
+  if (s.becomesKeyframe(report.tracking)) {
+    remembering.run([&] {
+      report.keyframe = std::make_shared<const Keyframe>(
+          Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, s.depth)});
+    });
+  }
   Candidates pool = clock.time("propose", [&] { return proposeCandidates(s.seen, s.config.discovery.proposal); });
   const cv::Mat1b inhibited_pixels = report.ior != nullptr ? report.ior->inhibited : cv::Mat1b();
   InhibitionSplit split = clock.time("inhibit", [&] {
@@ -214,6 +255,8 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
   report.inhibited = std::move(split.inhibited);
 
   if (report.tracking.status != TrackingStatus::kLost) clock.time("attend", [&] { s.attend(report); });
+  remembering.wait();
+  if (report.keyframe) s.remember(report.keyframe);
   report.tick = s.map.now();
   report.stages = s.perceptionTimes();
   report.stages.insert(report.stages.end(), clock.stages().begin(), clock.stages().end());

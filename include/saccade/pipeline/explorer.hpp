@@ -53,6 +53,7 @@ class Explorer {
   [[nodiscard]] const SurfaceVolume& surface() const;
   [[nodiscard]] const AttendLog& attendLog() const;
   [[nodiscard]] const MotionPredictor::State& motion() const;
+  [[nodiscard]] const KeyframeSet& keyframes() const;
   [[nodiscard]] const ExplorerConfig& config() const;
   [[nodiscard]] const PinholeCamera& camera() const;
 

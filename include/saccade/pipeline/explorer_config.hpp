@@ -6,7 +6,10 @@
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/surface_volume.hpp"
 #include "saccade/rendering/renderer.hpp"
+#include "saccade/tracking/frame_features.hpp"
+#include "saccade/tracking/keyframe_set.hpp"
 #include "saccade/tracking/motion_predictor.hpp"
+#include "saccade/tracking/relocaliser.hpp"
 #include "saccade/tracking/tracker.hpp"
 
 namespace saccade {
@@ -20,6 +23,10 @@ struct ExplorerConfig {
   SurfaceVolumeConfig surface;
   MotionPredictorConfig motion;
   TrackerConfig tracking;
+  KeyframeConfig keyframes;
+  FeatureExtractorConfig features;
+  RelocaliserConfig relocalisation;
+  PlaceVerifierConfig verification;
 
   void describe(ConfigVisitor& visitor) {
     visitor.section("depth", depth, "preparation of the depth image");
@@ -29,6 +36,10 @@ struct ExplorerConfig {
     visitor.section("surface", surface, "the surface volume that tracking looks at");
     visitor.section("motion", motion, "prediction of the camera's motion");
     visitor.section("tracking", tracking, "ICP, frame to model");
+    visitor.section("keyframes", keyframes, "which tracked frames are remembered, to find a place again");
+    visitor.section("features", features, "point features of keyframes");
+    visitor.section("relocalisation", relocalisation, "finding a lost camera by keyframes");
+    visitor.section("verification", verification, "what the surface must say to a place that was found");
   }
 
   /// Switches off everything in discovery and attention that goes beyond the paper.

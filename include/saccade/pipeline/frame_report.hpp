@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "saccade/discovery/perception.hpp"
 #include "saccade/map/ior_law.hpp"
 #include "saccade/rendering/ior_view.hpp"
+#include "saccade/tracking/keyframe_set.hpp"
 #include "saccade/tracking/tracker.hpp"
 
 namespace saccade {
@@ -27,7 +29,8 @@ struct FrameReport {
   std::string name;
   double stamp_s = 0.0;
   Tracking tracking;
-  Tick tick;  ///< the map's tick after the frame
+  bool relocalised = false;  ///< tracking lost the camera, but the keyframes and the surface say where it is
+  Tick tick;                 ///< the map's tick after the frame
 
   Candidates open;  ///< by falling score, at most 255; the first `attended` of them were attended
   std::size_t attended = 0;
@@ -37,6 +40,8 @@ struct FrameReport {
   const Perception* seen = nullptr;
   const IorView* ior = nullptr;      ///< null for a lost frame
   const DepthMaps* depth = nullptr;  ///< null for a frame of colour alone
+
+  std::shared_ptr<const Keyframe> keyframe;  ///< this frame with its features, if it became a keyframe
 
   std::vector<StageTime> stages;
   double total_ms = 0.0;
