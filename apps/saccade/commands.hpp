@@ -11,8 +11,13 @@ void addRender(CLI::App& program);
 void addSaliency(CLI::App& program);
 void addSimulate(CLI::App& program);
 void addEvaluate(CLI::App& program);
+void addRepair(CLI::App& program);
 void addTrain(CLI::App& program);
+void addVerify(CLI::App& program);
 void addExport(CLI::App& program);
 void addImport(CLI::App& program);
+void addForget(CLI::App& program);
+void addDiff(CLI::App& program);
+void addMerge(CLI::App& program);
 
 }  // namespace saccade::app

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
+#include "saccade/core/errors.hpp"
 #include "saccade/exchange/coco_json.hpp"
 #include "saccade/exchange/map_points.hpp"
 #include "saccade/exchange/mrpt_scene.hpp"
@@ -17,6 +18,7 @@
 #include "saccade/exchange/octomap_files.hpp"
 #include "saccade/exchange/output_file.hpp"
 #include "saccade/exchange/up_direction.hpp"
+#include "saccade/objects/object_memory.hpp"
 #include "saccade/pipeline/trajectory_sink.hpp"
 #include "saccade/session/session_map.hpp"
 
@@ -36,7 +38,7 @@ struct Kind {
   const char* what;
 };
 
-constexpr std::array<Kind, 9> kKinds = {{
+constexpr std::array<Kind, 10> kKinds = {{
     {"ot", ".ot", "octree with the attention memory (IorOcTree)"},
     {"color-ot", "", "painted octree (ColorOcTree)"},
     {"bt", ".bt", "octree of free and occupied"},
@@ -46,6 +48,7 @@ constexpr std::array<Kind, 9> kKinds = {{
     {"tum", ".txt", "trajectory in TUM format"},
     {"coco", ".json", "candidates as a COCO dataset"},
     {"grid", ".pgm", "floor plan for map_server"},
+    {"objects", "", "a folder of points, one PLY for each object"},
 }};
 
 std::string kindOf(const Options& options) {
@@ -83,11 +86,15 @@ void writeTrajectory(const SessionReader& session, std::ostream& out) {
   }
 }
 
-SceneContent sceneOf(const SessionReader& session, std::span<const MapPoint> points) {
+SceneContent sceneOf(Exported& from, std::span<const MapPoint> points) {
   SceneContent content;
   content.leaves = points;
-  for (const FrameRecord& frame : session.frames()) {
+  for (const FrameRecord& frame : from.session().frames()) {
     if (frame.T_WC) content.path.push_back(*frame.T_WC);
+  }
+  for (const AttendedObject& object : findObjects(loadAttendLog(from.session()))) {
+    const Eigen::AlignedBox3d box = boxOf(leavesOf(object, from.map()), from.map().config().leaf_size_m);
+    if (!box.isEmpty()) content.object_boxes.push_back(box);
   }
   return content;
 }
@@ -115,11 +122,36 @@ void writeGrid(const Options& options, Exported& from, WhenFileExists when_exist
                            grid.cells.cols, grid.cells.rows, settings.up_W.x(), settings.up_W.y(), settings.up_W.z());
 }
 
+/// A PLY for each object with leaves: object-0007.ply.
+void writeObjects(const Options& options, Exported& from, LeafPaint paint, WhenFileExists when_exists) {
+  const std::filesystem::path folder = options.output;
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) throw IoError(folder, "a folder that can be made", failure.message());
+  int written = 0;
+  for (const AttendedObject& object : findObjects(loadAttendLog(from.session()))) {
+    const auto within = [&](const MapLeaf& leaf) {
+      return std::binary_search(object.blocks.begin(), object.blocks.end(), blockOf(leaf.key.corner));
+    };
+    const std::vector<MapPoint> points = occupiedPoints(from.map(), paint, within);
+    if (points.empty()) continue;  // it is gone
+    OutputFile file(folder / fmt::format("object-{:04}.ply", object.id.value), when_exists);
+    writePly(points, file.stream());
+    file.finish();
+    ++written;
+  }
+  std::cerr << written << " objects\n";
+}
+
 void run(const Options& options) {
   const std::string kind = kindOf(options);
   const LeafPaint paint = options.paint == "ior" ? LeafPaint::kIor : LeafPaint::kColor;
   const auto when_exists = options.force ? WhenFileExists::kReplace : WhenFileExists::kRefuse;
   Exported from(options.session);
+  if (kind == "objects") {
+    writeObjects(options, from, paint, when_exists);
+    return;
+  }
   OutputFile file(options.output, when_exists);
   if (kind == "grid") {
     writeGrid(options, from, when_exists, file);
@@ -134,7 +166,7 @@ void run(const Options& options) {
     if (kind == "coco") writeCocoJson(from.session(), out);
     if (kind == "3dscene") {
       const std::vector<MapPoint> points = occupiedPoints(from.map(), paint);
-      writeMrptScene(sceneOf(from.session(), points), file.partialPath());
+      writeMrptScene(sceneOf(from, points), file.partialPath());
     }
     file.finish();
   }

@@ -1,3 +1,5 @@
+#include "inspect.hpp"
+
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -10,11 +12,6 @@
 
 namespace saccade::app {
 namespace {
-
-struct Options {
-  std::string session;
-  bool json = false;
-};
 
 struct Summary {
   SessionMetadata metadata;
@@ -64,7 +61,7 @@ void printJson(const Summary& s) {
       {"input", s.metadata.input},
       {"input_kind", s.metadata.input_kind},
       {"file_bytes", s.file_bytes},
-      {"interrupted", s.metadata.interrupted},
+      {"state", nameOf(s.metadata.state)},
       {"camera",
        {{"width", camera.width},
         {"height", camera.height},
@@ -89,11 +86,23 @@ void printJson(const Summary& s) {
   std::cout << json.dump(2) << "\n";
 }
 
+const char* stateText(SessionState state) {
+  switch (state) {
+    case SessionState::kExploring:
+      return ", still being written or cut off; whole up to its last checkpoint";
+    case SessionState::kComplete:
+      return "";
+    case SessionState::kInterrupted:
+      return ", ended early by hand";
+  }
+  return "";
+}
+
 void printText(const Summary& s, const std::string& path) {
   const PinholeCamera& camera = s.metadata.camera;
   std::cout << path << ": a session of " << s.metadata.input << " (" << s.metadata.input_kind << "), written "
-            << s.metadata.created_utc << " by saccade " << s.metadata.saccade_version
-            << (s.metadata.interrupted ? ", ended early by hand" : "") << "\n";
+            << s.metadata.created_utc << " by saccade " << s.metadata.saccade_version << stateText(s.metadata.state)
+            << "\n";
   std::cout << alignedTable({
       {"frames", grouped(s.frames) + " (" + grouped(s.tracked) + " tracked, " + grouped(s.weak) + " weak, " +
                      grouped(s.lost) + " lost, " + grouped(s.metadata.frames_skipped) + " skipped)"},
@@ -111,13 +120,15 @@ void printText(const Summary& s, const std::string& path) {
 }  // namespace
 
 void addInspect(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto target = std::make_shared<InspectTarget>();
   CLI::App* command = program.add_subcommand("inspect", "Say what a session holds; reads, never writes");
-  command->add_option("SESSION", options->session, "a *.saccade file")->required();
-  command->add_flag("--json", options->json, "print JSON");
-  command->callback([options] {
-    const Summary summary = summarise(options->session);
-    options->json ? printJson(summary) : printText(summary, options->session);
+  command->add_option("SESSION", target->session, "a *.saccade file")->required();
+  command->add_flag("--json", target->json, "print JSON");
+  addInspectObjects(*command, target);
+  command->callback([target, command] {
+    if (!command->get_subcommands().empty()) return;  // the question was answered
+    const Summary summary = summarise(target->session);
+    target->json ? printJson(summary) : printText(summary, target->session);
   });
 }
 

@@ -32,9 +32,14 @@ int main(int argc, char** argv) {
   saccade::app::addSaliency(program);
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
+  saccade::app::addVerify(program);
+  saccade::app::addRepair(program);
   saccade::app::addTrain(program);
   saccade::app::addExport(program);
   saccade::app::addImport(program);
+  saccade::app::addForget(program);
+  saccade::app::addDiff(program);
+  saccade::app::addMerge(program);
   try {
     program.parse(argc, argv);
     return kDone;

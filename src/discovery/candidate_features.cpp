@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
 
 #include "saccade/core/config_fields.hpp"
+#include "saccade/core/multiversion.hpp"
 
 namespace saccade {
 namespace {
@@ -22,6 +24,15 @@ constexpr double kNeighborShare = 0.08;
 double edgeContrast(const SegmentEdge& edge) {
   const double steps = edge.known > 0 ? static_cast<double>(edge.nearer + edge.farther) / edge.known : 0.0;
   return edge.color_step / edge.length + 0.3 * steps;
+}
+
+// Where `segment` reaches farther it becomes the owner.
+SACCADE_MULTIVERSION void keepFarthest(const float* own, std::int32_t segment, float* reach, std::int32_t* owner) {
+  for (std::size_t d = 0; d < SegmentTable::kDirections; ++d) {
+    const bool is_farther = own[d] > reach[d];
+    owner[d] = is_farther ? segment : owner[d];
+    reach[d] = is_farther ? own[d] : reach[d];
+  }
 }
 
 }  // namespace
@@ -102,20 +113,28 @@ void CandidateMeasurer::measureOne(Candidate& candidate, const Perception& seen)
   measureShape(seen, sums, perimeter, candidate);
 }
 
-double CandidateMeasurer::convexity(const Candidate& candidate, const SegmentTable& table) {
-  hull_points_.clear();
-  for (std::size_t d = 0; d < SegmentTable::kDirections; ++d) {
-    std::int32_t best = -1;
-    float reach = -std::numeric_limits<float>::infinity();
-    for (const std::int32_t segment : candidate.segments) {
-      const float own = table.extremes(segment).reach[d];
-      if (own > reach) reach = own, best = segment;
-    }
-    if (best < 0) continue;
-    const SegmentTable::Extremes& extremes = table.extremes(best);
-    const Eigen::Vector3f point(extremes.x[d], extremes.y[d], extremes.z[d]);
-    if (std::find(hull_points_.begin(), hull_points_.end(), point) == hull_points_.end()) hull_points_.push_back(point);
+// The farthest points of all segments together; one point may be there several times.
+void CandidateMeasurer::gatherExtremes(std::span<const std::int32_t> segments, const SegmentTable& table) {
+  constexpr std::size_t kDirections = SegmentTable::kDirections;
+  std::array<float, kDirections> reach;
+  std::array<std::int32_t, kDirections> owner;
+  reach.fill(-std::numeric_limits<float>::infinity());
+  owner.fill(-1);
+  for (const std::int32_t segment : segments) {
+    keepFarthest(table.extremes(segment).reach.data(), segment, reach.data(), owner.data());
   }
+  hull_points_.clear();
+  for (std::size_t d = 0; d < kDirections; ++d) {
+    if (owner[d] < 0) continue;
+    const SegmentTable::Extremes& extremes = table.extremes(owner[d]);
+    const Eigen::Vector3f point(extremes.x[d], extremes.y[d], extremes.z[d]);
+    // The next direction often has the same farthest point.
+    if (hull_points_.empty() || hull_points_.back() != point) hull_points_.push_back(point);
+  }
+}
+
+double CandidateMeasurer::convexity(const Candidate& candidate, const SegmentTable& table) {
+  gatherExtremes(candidate.segments, table);
   if (hull_.build(hull_points_) < 3) return 0.0;
 
   // Few points of each segment if there are many segments: the sum is what costs.

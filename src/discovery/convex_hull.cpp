@@ -2,21 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstring>
+#include <limits>
 
 #include <Eigen/Geometry>
+
+#include "core/lanes.hpp"
+#include "saccade/core/multiversion.hpp"
 
 namespace saccade {
 namespace {
 
 // Float input carries a relative error of 6e-8 per coordinate; a few of them add up in a plane's equation.
 constexpr double kRelativeTolerance = 1e-6;
+constexpr std::size_t kQuad = 4;  // planes looked at together; arrays are padded to it
+// Points are taken in strides: neighbours in the input tend to be neighbours in space, and a hull that grows on all
+// sides at once makes fewer triangles that do not last.
+constexpr std::size_t kStride = 5;
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+using Quad = double __attribute__((vector_size(32)));
+using QuadBits = std::int64_t __attribute__((vector_size(32)));
+
+SACCADE_INLINE Quad loadQuad(const double* from) {
+  Quad quad;
+  std::memcpy(&quad, from, sizeof quad);
+  return quad;
+}
+
+// Marks the planes beyond whose limit a point lies; tells whether there is one.
+SACCADE_MULTIVERSION bool markSeen(const double* nx, const double* ny, const double* nz, const double* limit,
+                                   std::size_t count, double x, double y, double z, std::int64_t* sees) {
+  QuadBits any = {};
+  for (std::size_t i = 0; i < count; i += kQuad) {
+    const QuadBits beyond = loadQuad(nx + i) * x + loadQuad(ny + i) * y + loadQuad(nz + i) * z > loadQuad(limit + i);
+    std::memcpy(sees + i, &beyond, sizeof beyond);
+    any |= beyond;
+  }
+  return (any[0] | any[1] | any[2] | any[3]) != 0;
+}
 
 }  // namespace
 
 int ConvexHull::build(std::span<const Eigen::Vector3f> points) {
   faces_.clear();
-  used_ = 0;
   points_.clear();
   for (const Eigen::Vector3f& point : points) points_.push_back(point.cast<double>());
   if (points_.empty()) return -1;
@@ -28,25 +57,20 @@ int ConvexHull::build(std::span<const Eigen::Vector3f> points) {
   auto [a, b, c, d] = corners;
   if ((at(b) - at(a)).cross(at(c) - at(a)).dot(at(d) - at(a)) > 0.0) std::swap(b, c);  // d lies behind abc
 
-  addFace(a, b, c);
-  addFace(a, d, b);
-  addFace(b, d, c);
-  addFace(c, d, a);
-  work_[0].neighbors = {1, 2, 3};
-  work_[1].neighbors = {3, 2, 0};
-  work_[2].neighbors = {1, 3, 0};
-  work_[3].neighbors = {2, 1, 0};
-  orphans_.resize(points_.size());
-  std::iota(orphans_.begin(), orphans_.end(), 0);
-  giveToFaces(orphans_, 0);
-  for (std::size_t face = 0; face < used_; ++face) {  // faces are only ever added at the end
-    while (!work_[face].removed && !work_[face].outside.empty()) {
-      if (!addPoint(static_cast<int>(face))) break;
-    }
+  used_ = 0;
+  free_.clear();
+  const std::array<std::array<int, 3>, 4> first{{{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}}};
+  const std::array<std::array<int, 3>, 4> beside{{{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const int place = newPlace();
+    setTriangle(place, first[i][0], first[i][1], first[i][2]);
+    triangles_[i].neighbors = beside[i];
   }
-  for (std::size_t i = 0; i < used_; ++i) {
-    if (!work_[i].removed) faces_.push_back(work_[i].face);
+  edge_from_.assign(points_.size(), 0);
+  for (std::size_t start = 0; start < kStride; ++start) {
+    for (std::size_t i = start; i < points_.size(); i += kStride) addPoint(static_cast<int>(i));
   }
+  collectFaces();
   return 3;
 }
 
@@ -91,111 +115,126 @@ int ConvexHull::firstTetrahedron(std::array<int, 4>& corners) {
   return 3;
 }
 
-int ConvexHull::addFace(int a, int b, int c) {
-  if (used_ == work_.size()) work_.emplace_back();
-  WorkFace& face = work_[used_];
-  const Eigen::Vector3d &p = points_[static_cast<std::size_t>(a)], &q = points_[static_cast<std::size_t>(b)],
-                        &r = points_[static_cast<std::size_t>(c)];
-  face.face.vertices = {a, b, c};
-  face.face.normal = (q - p).cross(r - p).normalized();
-  face.face.offset = face.face.normal.dot(p + q + r) / 3.0;
-  face.outside.clear();
-  face.farthest = -1;
-  face.farthest_distance = 0.0;
-  face.removed = false;
-  face.visited = 0;
+// A place whose plane no point sees yet; one that is free before a new one.
+int ConvexHull::newPlace() {
+  if (!free_.empty()) {
+    const int place = free_.back();
+    free_.pop_back();
+    return place;
+  }
+  if (used_ == triangles_.size()) {
+    triangles_.resize(used_ + kQuad);
+    for (std::vector<double>* plane : {&planes_.x, &planes_.y, &planes_.z, &planes_.offset}) {
+      plane->resize(triangles_.size(), 0.0);
+    }
+    planes_.limit.resize(triangles_.size(), kNever);
+    sees_.resize(triangles_.size(), 0);
+  }
+  // The last places of the quad may hold planes of an earlier hull.
+  if (used_ % kQuad == 0) std::fill_n(planes_.limit.begin() + static_cast<std::ptrdiff_t>(used_), kQuad, kNever);
   return static_cast<int>(used_++);
 }
 
-void ConvexHull::giveToFaces(const std::vector<int>& points, int first_face) {
-  for (const int point : points) {
-    const Eigen::Vector3d& p = points_[static_cast<std::size_t>(point)];
-    for (auto i = static_cast<std::size_t>(first_face); i < used_; ++i) {
-      WorkFace& face = work_[i];
-      const double distance = face.face.normal.dot(p) - face.face.offset;
-      if (distance <= tolerance_) continue;
-      face.outside.push_back(point);
-      if (distance > face.farthest_distance) {
-        face.farthest = point;
-        face.farthest_distance = distance;
-      }
-      break;
-    }
-  }
+void ConvexHull::setTriangle(int place, int a, int b, int c) {
+  const auto i = static_cast<std::size_t>(place);
+  const Eigen::Vector3d &p = points_[static_cast<std::size_t>(a)], &q = points_[static_cast<std::size_t>(b)],
+                        &r = points_[static_cast<std::size_t>(c)];
+  const Eigen::Vector3d normal = (q - p).cross(r - p);
+  triangles_[i].vertices = {a, b, c};
+  planes_.x[i] = normal.x();
+  planes_.y[i] = normal.y();
+  planes_.z[i] = normal.z();
+  planes_.offset[i] = normal.dot(p + q + r) / 3.0;
+  planes_.limit[i] = planes_.offset[i] + tolerance_ * normal.norm();
 }
 
-// Walks over the faces that see the point, from face to neighbour, and collects the edges where the seeing ends.
-void ConvexHull::collectHorizon(int face, int point) {
+// Takes a point into the hull if it lies outside. It is left out if the horizon is not one simple loop, which only
+// rounding can bring about.
+void ConvexHull::addPoint(int point) {
   const Eigen::Vector3d& p = points_[static_cast<std::size_t>(point)];
-  ++round_;
-  visible_.clear();
-  horizon_.clear();
-  visible_.push_back(face);
-  work_[static_cast<std::size_t>(face)].visited = round_;
-  for (std::size_t i = 0; i < visible_.size(); ++i) {
-    const WorkFace& current = work_[static_cast<std::size_t>(visible_[i])];
-    for (std::size_t edge = 0; edge < 3; ++edge) {
-      const int next = current.neighbors[edge];
-      WorkFace& neighbor = work_[static_cast<std::size_t>(next)];
-      if (neighbor.visited == round_) continue;
-      if (neighbor.face.normal.dot(p) - neighbor.face.offset > tolerance_) {
-        neighbor.visited = round_;
-        visible_.push_back(next);
-      }
-    }
+  if (!markSeen(planes_.x.data(), planes_.y.data(), planes_.z.data(), planes_.limit.data(), used_, p.x(), p.y(), p.z(),
+                sees_.data())) {
+    return;
   }
-  for (const int seen : visible_) {
-    const WorkFace& current = work_[static_cast<std::size_t>(seen)];
+  const auto first = std::find_if(sees_.begin(), sees_.end(), [](std::int64_t seen) { return seen != 0; });
+  collectHorizon(static_cast<int>(first - sees_.begin()));
+  if (orderHorizon()) closeHorizon(point);
+}
+
+// Walks over the triangles that the point sees, from neighbour to neighbour, and collects the edges where the seeing
+// ends.
+void ConvexHull::collectHorizon(int first_seen) {
+  constexpr std::int64_t kVisited = 1;
+  horizon_.clear();
+  seen_.assign(1, first_seen);
+  sees_[static_cast<std::size_t>(first_seen)] = kVisited;
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const Triangle& triangle = triangles_[static_cast<std::size_t>(seen_[i])];
     for (std::size_t edge = 0; edge < 3; ++edge) {
-      const int next = current.neighbors[edge];
-      if (work_[static_cast<std::size_t>(next)].visited == round_) continue;
-      horizon_.push_back({current.face.vertices[edge], current.face.vertices[(edge + 1) % 3], next});
+      const int next = triangle.neighbors[edge];
+      std::int64_t& sees = sees_[static_cast<std::size_t>(next)];
+      if (sees == 0) {
+        horizon_.push_back({triangle.vertices[edge], triangle.vertices[(edge + 1) % 3], next});
+      } else if (sees != kVisited) {
+        sees = kVisited;
+        seen_.push_back(next);
+      }
     }
   }
 }
 
-// Takes the farthest point outside `face` into the hull. False (and the face gives up its points) if the horizon is
-// not one simple loop, which only rounding can bring about.
-bool ConvexHull::addPoint(int face) {
-  const int point = work_[static_cast<std::size_t>(face)].farthest;
-  collectHorizon(face, point);
-  for (std::size_t i = 0; i + 1 < horizon_.size(); ++i) {  // puts the edges head to tail
-    const auto next = std::find_if(horizon_.begin() + static_cast<std::ptrdiff_t>(i) + 1, horizon_.end(),
-                                   [&](const HorizonEdge& edge) { return edge.from == horizon_[i].to; });
-    if (next == horizon_.end()) {
-      work_[static_cast<std::size_t>(face)].outside.clear();
-      return false;
-    }
-    std::swap(horizon_[i + 1], *next);
+// Puts the horizon's edges head to tail; false if they are not one simple loop.
+bool ConvexHull::orderHorizon() {
+  for (std::size_t i = 0; i < horizon_.size(); ++i) {
+    edge_from_[static_cast<std::size_t>(horizon_[i].from)] = static_cast<int>(i);
   }
-  if (horizon_.size() < 3 || horizon_.back().to != horizon_.front().from) {
-    work_[static_cast<std::size_t>(face)].outside.clear();
-    return false;
-  }
+  ordered_horizon_.clear();
+  if (horizon_.size() < 3) return false;
+  HorizonEdge edge = horizon_[0];
+  do {
+    ordered_horizon_.push_back(edge);
+    const auto next = static_cast<std::size_t>(edge_from_[static_cast<std::size_t>(edge.to)]);
+    if (next >= horizon_.size() || horizon_[next].from != edge.to) return false;
+    edge = horizon_[next];
+  } while (edge.from != horizon_[0].from && ordered_horizon_.size() < horizon_.size());
+  return edge.from == horizon_[0].from && ordered_horizon_.size() == horizon_.size();
+}
 
-  orphans_.clear();
-  for (const int seen : visible_) {
-    WorkFace& old = work_[static_cast<std::size_t>(seen)];
-    old.removed = true;
-    for (const int outside : old.outside) {
-      if (outside != point) orphans_.push_back(outside);
-    }
+// Replaces the triangles seen by those between the horizon and the point.
+void ConvexHull::closeHorizon(int point) {
+  for (const int gone : seen_) {
+    planes_.limit[static_cast<std::size_t>(gone)] = kNever;
+    free_.push_back(gone);
   }
-  const auto first = static_cast<int>(used_), count = static_cast<int>(horizon_.size());
-  for (int i = 0; i < count; ++i) {
-    const HorizonEdge edge = horizon_[static_cast<std::size_t>(i)];
-    const int made = addFace(edge.from, edge.to, point);
-    work_[static_cast<std::size_t>(made)].neighbors = {edge.behind, first + (i + 1) % count,
-                                                       first + (i + count - 1) % count};
-    WorkFace& behind = work_[static_cast<std::size_t>(edge.behind)];
+  const std::size_t count = ordered_horizon_.size();
+  made_.clear();
+  for (const HorizonEdge& edge : ordered_horizon_) {
+    made_.push_back(newPlace());
+    setTriangle(made_.back(), edge.from, edge.to, point);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const HorizonEdge& edge = ordered_horizon_[i];
+    triangles_[static_cast<std::size_t>(made_[i])].neighbors = {edge.behind, made_[(i + 1) % count],
+                                                                made_[(i + count - 1) % count]};
+    Triangle& behind = triangles_[static_cast<std::size_t>(edge.behind)];
     for (std::size_t k = 0; k < 3; ++k) {
-      if (behind.face.vertices[k] == edge.to && behind.face.vertices[(k + 1) % 3] == edge.from) {
-        behind.neighbors[k] = made;
-      }
+      if (behind.vertices[k] == edge.to && behind.vertices[(k + 1) % 3] == edge.from) behind.neighbors[k] = made_[i];
     }
   }
-  giveToFaces(orphans_, first);
-  return true;
+}
+
+void ConvexHull::collectFaces() {
+  face_at_.resize(used_);
+  for (std::size_t i = 0; i < used_; ++i) {
+    if (planes_.limit[i] == kNever) continue;
+    const Eigen::Vector3d normal(planes_.x[i], planes_.y[i], planes_.z[i]);
+    const double length = normal.norm(), scale = length > 0.0 ? 1.0 / length : 0.0;
+    face_at_[i] = static_cast<int>(faces_.size());
+    faces_.push_back({triangles_[i].vertices, triangles_[i].neighbors, normal * scale, planes_.offset[i] * scale});
+  }
+  for (Face& face : faces_) {
+    for (int& neighbor : face.neighbors) neighbor = face_at_[static_cast<std::size_t>(neighbor)];
+  }
 }
 
 }  // namespace saccade

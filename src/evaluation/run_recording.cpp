@@ -19,7 +19,7 @@ RunRecording loadSession(const std::filesystem::path& path) {
     RecordedFrame recorded{
         frame.index, std::move(frame.name), frame.stamp_s,      std::move(frame.tracking), frame.T_WC,
         {},          frame.inhibited,       frame.processing_ms};
-    for (CandidateRecord& candidate : reader.candidates(recorded.index)) {
+    for (CandidateRecord& candidate : reader.candidates(frame.ordinal)) {
       recorded.open.push_back({candidate.box, std::move(candidate.mask_rle), true, candidate.revisited_share});
     }
     recording.frames.push_back(std::move(recorded));

@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kCategory = 1;
 
 Json imageOf(const FrameRecord& frame, const PinholeCamera& camera) {
-  Json image = {{"id", frame.index.value},
+  Json image = {{"id", frame.ordinal.value},
                 {"file_name", frame.name},
                 {"width", camera.width},
                 {"height", camera.height},
@@ -60,11 +60,11 @@ Json annotationOf(const CandidateRecord& candidate, std::int64_t id, const Pinho
 void writeCocoJson(const SessionReader& session, std::ostream& out) {
   const PinholeCamera& camera = session.metadata().camera;
   Json images = Json::array();
-  std::vector<FrameIndex> listed;
+  std::vector<FrameOrdinal> listed;
   for (const FrameRecord& frame : session.frames()) {
     if (frame.attended == 0) continue;
     images.push_back(imageOf(frame, camera));
-    listed.push_back(frame.index);
+    listed.push_back(frame.ordinal);
   }
   const Json info = {{"description", "attended object candidates of " + session.metadata().input},
                      {"version", session.metadata().saccade_version},
@@ -73,7 +73,7 @@ void writeCocoJson(const SessionReader& session, std::ostream& out) {
       << Json::array({{{"id", kCategory}, {"name", "object"}, {"supercategory", "thing"}}}).dump()
       << ",\n\"images\": " << images.dump() << ",\n\"annotations\": [";
   std::int64_t id = 0;
-  for (const FrameIndex frame : listed) {
+  for (const FrameOrdinal frame : listed) {
     for (const CandidateRecord& candidate : session.candidates(frame)) {
       out << (id == 0 ? "\n" : ",\n");
       out << annotationOf(candidate, ++id, camera).dump();

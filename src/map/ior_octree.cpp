@@ -75,6 +75,7 @@ void IorOcTreeNode::updateOccupancyChildren() {
   }
   value = largest;
   ior_ = inhibition;
+  markChanged();  // whoever changed something below has to call this
 }
 
 std::istream& IorOcTreeNode::readData(std::istream& s) {
@@ -194,6 +195,7 @@ void IorOcTree::rememberAttention(const octomap::OcTreeKey& key, IorState ior) {
   IorOcTreeNode* node = root;
   for (int level = static_cast<int>(tree_depth) - 1; level >= 0; --level) {
     node->ior_ = laterInhibition(node->ior_, ior);
+    node->markChanged();
     node = node->child(octomap::computeChildIdx(key, level));
   }
 }

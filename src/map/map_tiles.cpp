@@ -1,5 +1,6 @@
 #include "saccade/map/map_tiles.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -47,23 +48,27 @@ bool hasPayload(MapNode leaf) {
 
 class TileWriter {
  public:
-  explicit TileWriter(std::vector<std::byte>& out) : out_(out) {}
+  explicit TileWriter(std::vector<std::byte>& out) : out_(out), size_(out.size()) {}
 
-  void writeRoot(MapNode root) {
+  /// The number of leaves written.
+  std::size_t writeRoot(MapNode root) {
     put(kVersion);
     const Kind kind = !root.isLeaf() ? kInner : hasPayload(root) ? kLeafWithPayload : kPlainLeaf;
     put(kind);
     kind == kInner ? writeInner(root) : writeLeaf(root, kind == kLeafWithPayload);
+    out_.resize(size_);
+    return leaves_;
   }
 
  private:
   template <typename T>
   void put(const T& value) {
-    const std::size_t end = out_.size();
-    out_.resize(end + sizeof(T));
-    std::memcpy(out_.data() + end, &value, sizeof(T));
+    if (out_.size() - size_ < sizeof(T)) out_.resize(std::max(std::size_t{4096}, 2 * out_.size()));
+    std::memcpy(out_.data() + size_, &value, sizeof(T));
+    size_ += sizeof(T);
   }
   void writeLeaf(MapNode leaf, bool payload) {
+    ++leaves_;
     put(leaf.logOdds());
     if (!payload) return;
     put(leaf.ior().bits());
@@ -91,6 +96,8 @@ class TileWriter {
   }
 
   std::vector<std::byte>& out_;
+  std::size_t size_;  // what is written; out_ is longer meanwhile
+  std::size_t leaves_ = 0;
 };
 
 /// Reads one tile; with a null tree it only checks.
@@ -98,7 +105,8 @@ class TileReader {
  public:
   TileReader(const MapTile& tile, const std::filesystem::path& source) : tile_(tile), source_(source) {}
 
-  void read(IorOcTree* tree, IorOcTreeNode* node) {
+  /// The number of leaves read.
+  std::size_t read(IorOcTree* tree, IorOcTreeNode* node) {
     position_ = 0;
     const auto version = take<std::uint8_t>();
     if (version != kVersion) fail("version " + std::to_string(kVersion), "version " + std::to_string(version));
@@ -108,6 +116,7 @@ class TileReader {
     if (position_ != tile_.data.size()) {
       fail("the end after " + std::to_string(position_) + " bytes", std::to_string(tile_.data.size()) + " bytes");
     }
+    return leaves_;
   }
 
  private:
@@ -129,6 +138,7 @@ class TileReader {
     if (!std::isfinite(log_odds) || log_odds == 0.0f) fail("log-odds of a known leaf", std::to_string(log_odds));
     const IorState ior = payload ? IorState::fromBits(take<std::uint32_t>()) : IorState{};
     const LeafSurface surface = payload ? take<LeafSurface>() : LeafSurface{};
+    ++leaves_;
     if (leaf == nullptr) return;
     leaf->setLogOdds(log_odds);
     leaf->setIor(ior);
@@ -153,6 +163,7 @@ class TileReader {
   const MapTile& tile_;
   const std::filesystem::path& source_;
   std::size_t position_ = 0;
+  std::size_t leaves_ = 0;
 };
 
 void collectTiles(MapNode node, const NodeKey& key, int depth, std::vector<NodeKey>& tiles) {
@@ -162,6 +173,25 @@ void collectTiles(MapNode node, const NodeKey& key, int depth, std::vector<NodeK
   }
   for (unsigned i = 0; i < 8; ++i) {
     if ((node.childMask() >> i & 1u) != 0) collectTiles(node.child(i), childKey(key, i), depth, tiles);
+  }
+}
+
+void takeChanges(IorOcTreeNode* node, const NodeKey& key, int depth, std::vector<TileChange>& tiles) {
+  const bool changed = node->isLeaf() || node->changedBelow();
+  if (node->isLeaf() || key.depth == depth) {
+    if (!node->isLeaf()) node->clearChanged();
+    tiles.push_back({key, MapNode(node), changed});
+    return;
+  }
+  node->clearChanged();
+  for (unsigned i = 0; i < 8; ++i) {
+    if ((node->childMask() >> i & 1u) != 0) takeChanges(node->child(i), childKey(key, i), depth, tiles);
+  }
+}
+
+void requireTileDepth(int depth) {
+  if (depth < 0 || depth > MapTree::kDepth) {
+    throw std::invalid_argument("tiles at depth " + std::to_string(depth) + ", possible are 0 to 16");
   }
 }
 
@@ -189,12 +219,22 @@ IorOcTreeNode* makePlace(IorOcTree& tree, const NodeKey& key) {
 }  // namespace
 
 std::vector<NodeKey> listTiles(const IorMap& map, int depth) {
-  if (depth < 0 || depth > MapTree::kDepth) {
-    throw std::invalid_argument("tiles at depth " + std::to_string(depth) + ", possible are 0 to 16");
-  }
+  requireTileDepth(depth);
   std::vector<NodeKey> tiles;
   if (map.view().root) collectTiles(map.view().root, {}, depth, tiles);
   return tiles;
+}
+
+std::vector<TileChange> takeTileChanges(IorMap& map, int depth) {
+  requireTileDepth(depth);
+  std::vector<TileChange> tiles;
+  IorOcTreeNode* root = map.tree().getRoot();
+  if (root != nullptr) takeChanges(root, {}, depth, tiles);
+  return tiles;
+}
+
+std::size_t appendTile(MapNode node, std::vector<std::byte>& out) {
+  return TileWriter(out).writeRoot(node);
 }
 
 std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root) {
@@ -207,7 +247,7 @@ std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root) {
   }
   if (!found) throw std::invalid_argument("the map holds no " + nameOf(root));
   std::vector<std::byte> data;
-  TileWriter(data).writeRoot(node);
+  appendTile(node, data);
   return data;
 }
 
@@ -217,18 +257,21 @@ std::vector<MapTile> encodeTiles(const IorMap& map, int depth) {
   return tiles;
 }
 
+std::size_t checkTile(const MapTile& tile, const std::filesystem::path& source) {
+  if (!isSound(tile.root)) throw IoError(source, "a tile's place in the octree", nameOf(tile.root));
+  return TileReader(tile, source).read(nullptr, nullptr);
+}
+
 IorMap restoreMap(const IorMapConfig& config, std::span<const MapTile> tiles, Tick now,
                   const std::filesystem::path& source) {
   IorMap map(config);
   map.setNow(now);
   IorOcTree& tree = map.tree();
   for (const MapTile& tile : tiles) {
-    if (!isSound(tile.root)) throw IoError(source, "a tile's place in the octree", nameOf(tile.root));
-    TileReader reader(tile, source);
-    reader.read(nullptr, nullptr);
+    checkTile(tile, source);
     IorOcTreeNode* node = makePlace(tree, tile.root);
     if (node == nullptr) throw IoError(source, "tiles that do not overlap", nameOf(tile.root) + " over another");
-    reader.read(&tree, node);
+    TileReader(tile, source).read(&tree, node);
   }
   tree.updateInnerNodes();
   return map;

@@ -57,52 +57,67 @@ SACCADE_MULTIVERSION void projectEnds(const float* x, const float* y, const floa
 /// Rays tested together: a row of the box is rounded up to these, with rays of the cells beside it.
 constexpr std::size_t kBatch = kLanes;
 
-/// Bits of the family's leaves that one of the rays of some runs crosses: per axis the shares of the ray's length at
-/// which it enters and leaves the lower and the upper half, then the eight combinations. Run y holds the rays from
-/// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches.
-SACCADE_MULTIVERSION unsigned crossedBy(const float* all_x, const float* all_y, const float* all_z,
-                                        const std::uint32_t* first, const std::uint32_t* last, std::size_t runs,
-                                        std::size_t stride, const float* low) {
-  const float low_x = low[0], low_y = low[1], low_z = low[2];
+/// Inverse vectors of the rays, one component in each array.
+struct Inverses {
+  const float *x, *y, *z;
+};
+
+/// Bits of the family's leaves that some of eight rays from `k` on cross: per axis the shares of a ray's length at
+/// which it enters and leaves the lower and the upper half, then the eight combinations.
+SACCADE_INLINE void crossLeaves(const Inverses& rays, std::uint32_t k, const float* low, IntLanes& crossed) {
   const FloatLanes start = {}, end_of_ray = allLanes(1.0f);  // shares of a ray
-  // Of the whole family first: half of those that are asked for are crossed by none of the rays beside them.
-  IntLanes entered = {};
-  for (std::size_t run = 0; run < runs; ++run) {
-    for (std::uint32_t k = first[run * stride]; k < last[run * stride]; k += kBatch) {
-      const FloatLanes step_x = loadLanes(all_x + k), step_y = loadLanes(all_y + k), step_z = loadLanes(all_z + k);
-      const FloatLanes x0 = low_x * step_x, x2 = x0 + step_x + step_x;
-      const FloatLanes y0 = low_y * step_y, y2 = y0 + step_y + step_y;
-      const FloatLanes z0 = low_z * step_z, z2 = z0 + step_z + step_z;
-      entered |= most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2))) <
-                 least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2)));
-    }
-  }
-  if (!any(entered)) return 0;
+  const FloatLanes step_x = loadLanes(rays.x + k), step_y = loadLanes(rays.y + k), step_z = loadLanes(rays.z + k);
+  const FloatLanes x0 = low[0] * step_x, x1 = x0 + step_x, x2 = x1 + step_x;
+  const FloatLanes y0 = low[1] * step_y, y1 = y0 + step_y, y2 = y1 + step_y;
+  const FloatLanes z0 = low[2] * step_z, z1 = z0 + step_z, z2 = z1 + step_z;
+  const FloatLanes in_x0 = most(least(x0, x1), start), in_x1 = most(least(x1, x2), start);
+  const FloatLanes out_x0 = least(most(x0, x1), end_of_ray), out_x1 = least(most(x1, x2), end_of_ray);
+  const FloatLanes in_y0 = least(y0, y1), in_y1 = least(y1, y2);
+  const FloatLanes out_y0 = most(y0, y1), out_y1 = most(y1, y2);
+  const FloatLanes in_z0 = least(z0, z1), in_z1 = least(z1, z2);
+  const FloatLanes out_z0 = most(z0, z1), out_z1 = most(z1, z2);
+  const FloatLanes in_00 = most(in_x0, in_y0), in_10 = most(in_x1, in_y0);
+  const FloatLanes in_01 = most(in_x0, in_y1), in_11 = most(in_x1, in_y1);
+  const FloatLanes out_00 = least(out_x0, out_y0), out_10 = least(out_x1, out_y0);
+  const FloatLanes out_01 = least(out_x0, out_y1), out_11 = least(out_x1, out_y1);
+  crossed |= ((most(in_00, in_z0) < least(out_00, out_z0)) & 1) | ((most(in_10, in_z0) < least(out_10, out_z0)) & 2) |
+             ((most(in_01, in_z0) < least(out_01, out_z0)) & 4) | ((most(in_11, in_z0) < least(out_11, out_z0)) & 8) |
+             ((most(in_00, in_z1) < least(out_00, out_z1)) & 16) | ((most(in_10, in_z1) < least(out_10, out_z1)) & 32) |
+             ((most(in_01, in_z1) < least(out_01, out_z1)) & 64) | ((most(in_11, in_z1) < least(out_11, out_z1)) & 128);
+}
+
+/// Bits of the `wanted` leaves of a family that one of the rays of some runs crosses. Run y holds the rays from
+/// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches.
+SACCADE_MULTIVERSION unsigned crossedBy(const Inverses& rays, const std::uint32_t* first, const std::uint32_t* last,
+                                        std::size_t runs, std::size_t stride, const float* low, unsigned wanted) {
+  // First which batches enter the family at all: half of the families that are asked for are entered by none, and of
+  // those before a surface the first batches cross all leaves.
+  constexpr std::size_t kMostEntering = 64;
+  std::uint32_t entering[kMostEntering];
+  std::size_t count = 0;
+  const FloatLanes start = {}, end_of_ray = allLanes(1.0f);
+  const float low_x = low[0], low_y = low[1], low_z = low[2];
   IntLanes crossed = {};
   for (std::size_t run = 0; run < runs; ++run) {
     for (std::uint32_t k = first[run * stride]; k < last[run * stride]; k += kBatch) {
-      const FloatLanes step_x = loadLanes(all_x + k), step_y = loadLanes(all_y + k), step_z = loadLanes(all_z + k);
-      const FloatLanes x0 = low_x * step_x, x1 = x0 + step_x, x2 = x1 + step_x;
-      const FloatLanes y0 = low_y * step_y, y1 = y0 + step_y, y2 = y1 + step_y;
-      const FloatLanes z0 = low_z * step_z, z1 = z0 + step_z, z2 = z1 + step_z;
-      const FloatLanes in_x0 = most(least(x0, x1), start), in_x1 = most(least(x1, x2), start);
-      const FloatLanes out_x0 = least(most(x0, x1), end_of_ray), out_x1 = least(most(x1, x2), end_of_ray);
-      const FloatLanes in_y0 = least(y0, y1), in_y1 = least(y1, y2);
-      const FloatLanes out_y0 = most(y0, y1), out_y1 = most(y1, y2);
-      const FloatLanes in_z0 = least(z0, z1), in_z1 = least(z1, z2);
-      const FloatLanes out_z0 = most(z0, z1), out_z1 = most(z1, z2);
-      const FloatLanes in_00 = most(in_x0, in_y0), in_10 = most(in_x1, in_y0);
-      const FloatLanes in_01 = most(in_x0, in_y1), in_11 = most(in_x1, in_y1);
-      const FloatLanes out_00 = least(out_x0, out_y0), out_10 = least(out_x1, out_y0);
-      const FloatLanes out_01 = least(out_x0, out_y1), out_11 = least(out_x1, out_y1);
-      crossed |=
-          ((most(in_00, in_z0) < least(out_00, out_z0)) & 1) | ((most(in_10, in_z0) < least(out_10, out_z0)) & 2) |
-          ((most(in_01, in_z0) < least(out_01, out_z0)) & 4) | ((most(in_11, in_z0) < least(out_11, out_z0)) & 8) |
-          ((most(in_00, in_z1) < least(out_00, out_z1)) & 16) | ((most(in_10, in_z1) < least(out_10, out_z1)) & 32) |
-          ((most(in_01, in_z1) < least(out_01, out_z1)) & 64) | ((most(in_11, in_z1) < least(out_11, out_z1)) & 128);
+      const FloatLanes step_x = loadLanes(rays.x + k), step_y = loadLanes(rays.y + k), step_z = loadLanes(rays.z + k);
+      const FloatLanes x0 = low_x * step_x, x2 = x0 + step_x + step_x;
+      const FloatLanes y0 = low_y * step_y, y2 = y0 + step_y + step_y;
+      const FloatLanes z0 = low_z * step_z, z2 = z0 + step_z + step_z;
+      const IntLanes enters = most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2))) <
+                              least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2)));
+      entering[count] = k;
+      count += static_cast<std::size_t>(any(enters));
+      if (count < kMostEntering) continue;
+      for (const std::uint32_t batch : entering) crossLeaves(rays, batch, low, crossed);
+      count = 0;
     }
   }
-  return orOf(crossed);
+  for (std::size_t i = 0; i < count; ++i) {
+    crossLeaves(rays, entering[i], low, crossed);
+    if ((orOf(crossed) & wanted) == wanted) break;
+  }
+  return orOf(crossed) & wanted;
 }
 
 }  // namespace
@@ -142,15 +157,14 @@ unsigned RayPyramid::crossedLeaves(const SiblingBounds& bounds, unsigned i, cons
   const std::int32_t first_y = bounds.y0[i] & ~1;
   const std::uint32_t* first = &starts_[placeOf(bounds.x0[i], first_y)];
   const std::uint32_t* last = first + 2 * (bounds.x1[i] - bounds.x0[i] + 1);
-  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), first, last,
-                   static_cast<std::size_t>(bounds.y1[i] - first_y) / 2 + 1, 2 * static_cast<std::size_t>(width_),
-                   low) &
-         wanted;
+  return crossedBy({inverse_x_.data(), inverse_y_.data(), inverse_z_.data()}, first, last,
+                   static_cast<std::size_t>(bounds.y1[i] - first_y) / 2 + 1, 2 * static_cast<std::size_t>(width_), low,
+                   wanted);
 }
 
 unsigned RayPyramid::crossedLeaves(const float* low, unsigned wanted) const {
   const std::uint32_t begin = 0, end = static_cast<std::uint32_t>(ray_count_);
-  return crossedBy(inverse_x_.data(), inverse_y_.data(), inverse_z_.data(), &begin, &end, 1, 0, low) & wanted;
+  return crossedBy({inverse_x_.data(), inverse_y_.data(), inverse_z_.data()}, &begin, &end, 1, 0, low, wanted);
 }
 
 void RayPyramid::build(const EndpointLeaves& endpoints, const WorkingDepth& depth, const PinholeCamera& camera,

@@ -156,7 +156,17 @@ Explorer::Explorer(const ExplorerConfig& config, const PinholeCamera& camera, co
 
 Explorer::~Explorer() = default;
 
+void Explorer::restore(ExplorerMemory memory) {
+  stages_->map = std::move(memory.map);
+  stages_->surface = std::move(memory.surface);
+  stages_->log = std::move(memory.log);
+  stages_->motion.restore(memory.motion);
+}
+
 const IorMap& Explorer::map() const {
+  return stages_->map;
+}
+IorMap& Explorer::map() {
   return stages_->map;
 }
 const SurfaceVolume& Explorer::surface() const {
@@ -167,6 +177,9 @@ const KeyframeSet& Explorer::keyframes() const {
 }
 const AttendLog& Explorer::attendLog() const {
   return stages_->log;
+}
+const MotionPredictor::State& Explorer::motion() const {
+  return stages_->motion.state();
 }
 const ExplorerConfig& Explorer::config() const {
   return stages_->config;

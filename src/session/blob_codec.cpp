@@ -10,7 +10,6 @@ namespace saccade {
 namespace {
 
 constexpr int kCompressionLevel = 1;  // the payload is near-random log-odds: higher levels cost time and gain little
-constexpr std::uint64_t kLargestBlob = std::uint64_t{1} << 30;
 
 }  // namespace
 
@@ -33,9 +32,10 @@ PackedBlob packBlob(std::string_view bytes) {
 }
 
 std::string unpackBlob(std::string_view packed, std::uint32_t crc, std::uint64_t unpacked_size,
-                       const std::filesystem::path& path, const std::string& what) {
-  if (unpacked_size > kLargestBlob) {
-    throw IoError(path, what + " of at most 1 GiB", std::to_string(unpacked_size) + " bytes");
+                       std::uint64_t largest_size, const std::filesystem::path& path, const std::string& what) {
+  if (unpacked_size > largest_size) {
+    throw IoError(path, what + " of at most " + std::to_string(largest_size) + " bytes",
+                  std::to_string(unpacked_size) + " bytes");
   }
   if (crc32c(packed) != crc) throw IoError(path, "an undamaged " + what, "a wrong checksum");
   std::string bytes(unpacked_size, '\0');

@@ -20,8 +20,9 @@ struct PackedBlob {
 [[nodiscard]] PackedBlob packBlob(std::string_view bytes);
 
 /// The bytes again. Throws IoError(path, ...) naming `what` if the CRC is wrong, the stream is damaged, or its size is
-/// not `unpacked_size`, which itself may be at most 1 GiB: a forged size cannot exhaust the memory.
+/// not `unpacked_size`, which itself may be at most `largest_size`: a forged size cannot exhaust the memory.
 [[nodiscard]] std::string unpackBlob(std::string_view packed, std::uint32_t crc, std::uint64_t unpacked_size,
-                                     const std::filesystem::path& path, const std::string& what);
+                                     std::uint64_t largest_size, const std::filesystem::path& path,
+                                     const std::string& what);
 
 }  // namespace saccade

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "saccade/session/session_writer.hpp"
 
 namespace saccade {
@@ -15,6 +17,19 @@ namespace saccade {
       return "attend_log";
   }
   return "";
+}
+
+/// Most bytes that an unpacked blob of the table can have: what claims more is damaged or hostile.
+[[nodiscard]] constexpr std::uint64_t largestBlob(BlobTable table) {
+  switch (table) {
+    case BlobTable::kTiles:
+      return 16U << 20U;  // 64^3 leaves with payload and their families: 4.3 MiB
+    case BlobTable::kBricks:
+      return 64U << 10U;  // 2 KiB today
+    case BlobTable::kAttendLog:
+      return 64U << 20U;  // every pixel of an image attended by 20 candidates
+  }
+  return 0;
 }
 
 }  // namespace saccade

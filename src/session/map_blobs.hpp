@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "saccade/map/attend_log.hpp"
@@ -29,5 +31,18 @@ namespace saccade {
 /// came on and those that were forgotten. Numbers are LEB128; keys are packed keys in rising order, as
 /// differences.
 [[nodiscard]] std::string encodeTick(const AttendLog& log, std::size_t i);
+
+/// Inverse of bytesOf(brick). Throws IoError naming `path` for bytes of another size.
+[[nodiscard]] SurfaceBrick brickFromBytes(std::string_view bytes, const std::filesystem::path& path);
+
+/// One tick of the log as it was recorded.
+struct LoggedTick {
+  TickEvents events;
+  std::vector<int> ranks;
+  std::vector<std::vector<LeafKey>> leaves;  ///< of each candidate, in rising order
+};
+
+/// Inverse of encodeTick(). Throws IoError naming `path` for bytes that it cannot have written.
+[[nodiscard]] LoggedTick decodeTick(std::string_view bytes, Tick tick, const std::filesystem::path& path);
 
 }  // namespace saccade

@@ -5,6 +5,11 @@
 #include "saccade/core/errors.hpp"
 
 namespace saccade {
+
+NLOHMANN_JSON_SERIALIZE_ENUM(SessionState, {{SessionState::kExploring, "exploring"},
+                                            {SessionState::kComplete, "complete"},
+                                            {SessionState::kInterrupted, "interrupted"}})
+
 namespace {
 
 /// Visits every field once, for writing and reading alike: `visit(key, field)`.
@@ -26,10 +31,23 @@ void visitFields(Metadata& metadata, const Visit& visit) {
   visit("leaves", metadata.leaves);
   visit("frames_read", metadata.frames_read);
   visit("frames_skipped", metadata.frames_skipped);
-  visit("interrupted", metadata.interrupted);
+  visit("state", metadata.state);
+  visit("range_step", metadata.range_step);
 }
 
 }  // namespace
+
+const char* nameOf(SessionState state) {
+  switch (state) {
+    case SessionState::kExploring:
+      return "exploring";
+    case SessionState::kComplete:
+      return "complete";
+    case SessionState::kInterrupted:
+      return "interrupted";
+  }
+  return "";
+}
 
 std::map<std::string, std::string> metadataToText(const SessionMetadata& metadata) {
   std::map<std::string, std::string> rows;

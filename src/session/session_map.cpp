@@ -1,12 +1,42 @@
 #include "saccade/session/session_map.hpp"
 
-#include <vector>
+#include <utility>
 
 #include "saccade/core/config_file.hpp"
 #include "saccade/map/map_tiles.hpp"
 #include "session/map_blobs.hpp"
 
 namespace saccade {
+namespace {
+
+Eigen::AlignedBox3d boxOf(const NodeKey& node, double leaf_size_m) {
+  const Eigen::Vector3d corner(node.corner.x, node.corner.y, node.corner.z);
+  const Eigen::Vector3d low = (corner.array() - static_cast<double>(MapTree::kCentreKey)) * leaf_size_m;
+  const double edge_m = leaf_size_m * static_cast<double>(1 << (MapTree::kDepth - node.depth));
+  return {low, low + Eigen::Vector3d::Constant(edge_m)};
+}
+
+/// From the first sample of a brick to the next brick's first: the last samples' cells reach so far.
+Eigen::AlignedBox3d boxOf(const BrickPosition& brick, double cell_m) {
+  const double edge_m = SurfaceBrick::kSide * cell_m;
+  const Eigen::Vector3d low = Eigen::Vector3d(brick.x, brick.y, brick.z) * edge_m;
+  return {low, low + Eigen::Vector3d::Constant(edge_m)};
+}
+
+}  // namespace
+
+MapRegion MapRegion::everything() {
+  return MapRegion([](const Eigen::AlignedBox3d&) { return true; });
+}
+
+MapRegion MapRegion::box(const Eigen::AlignedBox3d& box_W) {
+  return MapRegion([box_W](const Eigen::AlignedBox3d& part) { return part.intersects(box_W); });
+}
+
+MapRegion MapRegion::ball(const Eigen::Vector3d& centre_W, double radius_m) {
+  return MapRegion(
+      [centre_W, radius_m](const Eigen::AlignedBox3d& part) { return part.exteriorDistance(centre_W) <= radius_m; });
+}
 
 ExplorerConfig loadConfig(const SessionReader& session) {
   ExplorerConfig config;
@@ -14,13 +44,44 @@ ExplorerConfig loadConfig(const SessionReader& session) {
   return config;
 }
 
-IorMap loadMap(const SessionReader& session) {
+IorMap loadMap(const SessionReader& session, const MapRegion& region) {
+  const ExplorerConfig config = loadConfig(session);
   std::vector<MapTile> tiles;
-  session.visitBlobs(BlobTable::kTiles, [&](const BlobRecord& blob) {
-    const auto* bytes = reinterpret_cast<const std::byte*>(blob.bytes.data());
-    tiles.push_back({tileRoot(blob.key), {bytes, bytes + blob.bytes.size()}});
+  session.visitBlobs(
+      BlobTable::kTiles,
+      [&](std::uint64_t key) {
+        const NodeKey root = tileRoot(key);
+        // A place that cannot be is not judged here: restoreMap() refuses it.
+        return root.depth > MapTree::kDepth || region.touches(boxOf(root, config.map.leaf_size_m));
+      },
+      [&](const BlobRecord& blob) {
+        const auto* bytes = reinterpret_cast<const std::byte*>(blob.bytes.data());
+        tiles.push_back({tileRoot(blob.key), {bytes, bytes + blob.bytes.size()}});
+      });
+  return restoreMap(config.map, tiles, Tick{session.metadata().tick}, session.path());
+}
+
+SurfaceVolume loadSurface(const SessionReader& session, const MapRegion& region) {
+  const ExplorerConfig config = loadConfig(session);
+  SurfaceVolume surface(config.surface);
+  session.visitBlobs(
+      BlobTable::kBricks,
+      [&](std::uint64_t key) { return region.touches(boxOf(brickPosition(key), config.surface.cell_m)); },
+      [&](const BlobRecord& blob) {
+        surface.importBrick(brickPosition(blob.key), brickFromBytes(blob.bytes, session.path()));
+      });
+  return surface;
+}
+
+AttendLog loadAttendLog(const SessionReader& session) {
+  AttendLog log;
+  session.visitBlobs(BlobTable::kAttendLog, [&](const BlobRecord& blob) {
+    const LoggedTick tick = decodeTick(blob.bytes, Tick{static_cast<std::uint32_t>(blob.key)}, session.path());
+    std::vector<CandidateLeaves> candidates;
+    for (std::size_t i = 0; i < tick.ranks.size(); ++i) candidates.push_back({tick.ranks[i], tick.leaves[i]});
+    log.record(tick.events, candidates);
   });
-  return restoreMap(loadConfig(session).map, tiles, {session.metadata().tick}, session.path());
+  return log;
 }
 
 }  // namespace saccade

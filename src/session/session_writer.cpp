@@ -1,10 +1,12 @@
 #include "saccade/session/session_writer.hpp"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <sqlite3.h>
+#include <optional>
 #include <system_error>
 #include <unistd.h>
 
@@ -13,25 +15,15 @@
 #include "saccade/core/errors.hpp"
 #include "session/blob_codec.hpp"
 #include "session/blob_table_name.hpp"
+#include "session/keyframe_images.hpp"
 #include "session/metadata_json.hpp"
-#include "session/schema.hpp"
+#include "session/pose_bytes.hpp"
+#include "session/row.hpp"
+#include "session/session_database.hpp"
+#include "session/session_lock.hpp"
 
 namespace saccade {
 namespace {
-
-/// What SQLite says, in the words of someone who wants to know what to do.
-std::string found(const SQLite::Exception& error) {
-  switch (error.getErrorCode()) {
-    case SQLITE_FULL:
-      return "a full disk";
-    case SQLITE_READONLY:
-      return "a read-only place";
-    case SQLITE_CANTOPEN:
-      return "a file that cannot be created";
-    default:
-      return error.what();
-  }
-}
 
 void makeDurable(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -42,145 +34,216 @@ void makeDurable(const std::filesystem::path& path) {
   if (synced != 0) throw IoError(path, "data that reach the disk", std::strerror(reason));
 }
 
+/// Puts what a killed writer left beside a session that is to be replaced into it: under the new one's name, SQLite
+/// would take it for the new one's. What is no database has nothing beside it that SQLite would read.
+void settleOld(const std::filesystem::path& path) {
+  try {
+    SQLite::Database(path.string(), SQLite::OPEN_READWRITE).exec("PRAGMA journal_mode = DELETE");
+  } catch (const SQLite::Exception&) {
+    std::error_code ignored;
+    for (const char* suffix : {"-journal", "-wal", "-shm"}) std::filesystem::remove(path.string() + suffix, ignored);
+  }
+}
+
 std::filesystem::path folderOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
 }  // namespace
 
-struct SessionWriter::Database {
-  explicit Database(const std::filesystem::path& path)
-      : db(path.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {}
+struct SessionWriter::Statements {
+  explicit Statements(SQLite::Database& db)
+      : run(db, "INSERT INTO runs VALUES ((SELECT count(*) FROM runs),?,?,?,?,?)"),
+        frame(db, "INSERT INTO frames VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"),
+        metrics(db, "INSERT INTO metrics VALUES (?,?)"),
+        candidate(db, "INSERT INTO candidates VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"),
+        keyframe(db, "INSERT INTO keyframes VALUES (?,?,?,?,?,?,?,?,?)"),
+        tile(db, "INSERT OR REPLACE INTO tiles VALUES (?,?,?,?,?)"),
+        brick(db, "INSERT OR REPLACE INTO bricks VALUES (?,?,?,?,?)"),
+        attend_log(db, "INSERT OR REPLACE INTO attend_log VALUES (?,?,?,?,?)"),
+        state(db, "INSERT OR REPLACE INTO state VALUES (?,?,?)"),
+        meta(db, "INSERT OR REPLACE INTO meta VALUES (?,?)") {}
 
-  SQLite::Database db;
-  std::unique_ptr<SQLite::Statement> frame, candidate;
-  std::int64_t next_ordinal = 0;
+  SQLite::Statement& blob(BlobTable table) {
+    return table == BlobTable::kTiles ? tile : table == BlobTable::kBricks ? brick : attend_log;
+  }
+
+  SQLite::Statement run, frame, metrics, candidate, keyframe, tile, brick, attend_log, state, meta;
 };
 
 SessionWriter::SessionWriter(const std::filesystem::path& path, WhenSessionExists when_exists)
     : path_(path), partial_(path.string() + ".partial") {
   std::error_code ignored;
   if (std::filesystem::is_directory(path_, ignored)) throw IoError(path_, "a file name for the session", "a folder");
-  if (when_exists == WhenSessionExists::kRefuse && std::filesystem::exists(path_, ignored)) {
+  const bool exists = std::filesystem::exists(path_, ignored);
+  if (when_exists == WhenSessionExists::kRefuse && exists) {
     throw IoError(path_, "no session of that name (--force replaces it)", "one that exists");
   }
   if (!std::filesystem::is_directory(folderOf(path_), ignored)) {
     throw IoError(folderOf(path_), "a folder to write the session to", "none");
   }
-  std::filesystem::remove(partial_, ignored);
+  if (exists) replaced_ = std::make_unique<SessionLock>(path_, SessionLock::WhenMissing::kFail);
+  lock_ = std::make_unique<SessionLock>(partial_, SessionLock::WhenMissing::kCreate);
   try {
-    database_ = std::make_unique<Database>(partial_);
-    SQLite::Database& db = database_->db;
-    // The partial file is worthless after a crash whatever its state, so it needs no journal; finish() syncs it once.
-    db.exec("PRAGMA journal_mode = OFF");
-    db.exec("PRAGMA synchronous = OFF");
-    db.exec("PRAGMA application_id = " + std::to_string(schema::kApplicationId));
-    db.exec("PRAGMA user_version = " + std::to_string(schema::kFormatVersion));
-    db.exec(schema::kTables);
-    db.exec("BEGIN");
-    database_->frame =
-        std::make_unique<SQLite::Statement>(db, "INSERT INTO frames VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
-    database_->candidate =
-        std::make_unique<SQLite::Statement>(db, "INSERT INTO candidates VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
-  } catch (const SQLite::Exception& error) {
-    throw IoError(path_, "a session file that can be written", found(error));
+    std::filesystem::resize_file(partial_, 0, ignored);  // of a writer that was killed
+    database_ = std::make_unique<SessionDatabase>(partial_, SessionDatabase::Access::kCreate);
+    database_->use("a session file that can be written", [&] {
+      // The partial file is worthless after a crash whatever its state, so it needs no journal; appear() syncs it.
+      database_->sqlite().exec("PRAGMA journal_mode = OFF");
+      database_->sqlite().exec("PRAGMA synchronous = OFF");
+    });
+    begin();
+  } catch (...) {
+    std::filesystem::remove(partial_, ignored);
+    throw;
   }
+}
+
+SessionWriter::SessionWriter(const std::filesystem::path& path) : path_(path) {
+  if (!std::filesystem::is_regular_file(path_)) throw IoError(path_, "a session to go on with", "none");
+  lock_ = std::make_unique<SessionLock>(path_, SessionLock::WhenMissing::kFail);
+  database_ = std::make_unique<SessionDatabase>(path_, SessionDatabase::Access::kWrite);
+  useLog();
+  next_ordinal_ = database_->use("a whole Saccade session", [&] {
+    return database_->sqlite().execAndGet("SELECT ifnull(max(ordinal) + 1, 0) FROM frames").getInt64();
+  });
+  begin();
+}
+
+std::unique_ptr<SessionWriter> SessionWriter::open(const std::filesystem::path& path) {
+  return std::unique_ptr<SessionWriter>(new SessionWriter(path));
 }
 
 SessionWriter::~SessionWriter() {
-  if (!database_) return;  // finished
+  statements_.reset();
   database_.reset();
   std::error_code ignored;
-  std::filesystem::remove(partial_, ignored);
+  if (!partial_.empty()) std::filesystem::remove(partial_, ignored);
 }
 
-void SessionWriter::addFrame(const FrameRecord& frame) try {
-  SQLite::Statement& row = *database_->frame;
-  int column = 0;
-  const auto bind = [&](const auto& value) { row.bind(++column, value); };
-  bind(database_->next_ordinal++);
-  bind(frame.index.value);
-  bind(frame.name);
-  bind(frame.stamp_s);
-  bind(frame.tracking);
+/// Commits go to SQLite's write-ahead log and are durable when they return.
+void SessionWriter::useLog() {
+  database_->use("a session file that can be written", [&] {
+    database_->sqlite().exec("PRAGMA journal_mode = WAL");
+    database_->sqlite().exec("PRAGMA synchronous = FULL");
+  });
+}
+
+void SessionWriter::begin() {
+  database_->use("a session file that can be written", [&] {
+    if (!statements_) statements_ = std::make_unique<Statements>(database_->sqlite());
+    database_->sqlite().exec("BEGIN IMMEDIATE");
+  });
+}
+
+void SessionWriter::addRun(const RunRecord& run) {
+  next_ordinal_ = std::max(next_ordinal_, run.first.value);
+  database_->use("room for another run", [&] {
+    insert(statements_->run, next_ordinal_, run.input, run.input_kind, run.started_utc, run.saccade_version);
+  });
+}
+
+FrameOrdinal SessionWriter::addFrame(const FrameRecord& frame) {
+  const FrameOrdinal ordinal{std::max(next_ordinal_, frame.ordinal.value)};
+  next_ordinal_ = ordinal.value + 1;
+  std::array<std::optional<double>, 7> pose;
   if (frame.T_WC) {
     const Eigen::Vector3d t = frame.T_WC->translation();
     const Eigen::Quaterniond q(frame.T_WC->rotation());
-    for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) bind(value);
-  } else {
-    for (int i = 0; i < 7; ++i) row.bind(++column);  // NULL
+    pose = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
   }
-  bind(frame.inlier_share);
-  bind(frame.rms_m);
-  bind(frame.tick);
-  bind(frame.open);
-  bind(frame.inhibited);
-  bind(frame.attended);
-  bind(frame.processing_ms);
-  row.exec();
-  row.reset();
-} catch (const SQLite::Exception& error) {
-  throw IoError(path_, "room for another frame", found(error));
+  database_->use("room for another frame", [&] {
+    insert(statements_->frame, ordinal.value, frame.index.value, frame.name, frame.stamp_s, frame.tracking, pose,
+           frame.inlier_share, frame.rms_m, frame.tick, frame.open, frame.inhibited, frame.attended,
+           frame.processing_ms);
+  });
+  return ordinal;
 }
 
-void SessionWriter::addCandidate(const CandidateRecord& candidate) try {
-  SQLite::Statement& row = *database_->candidate;
-  int column = 0;
-  const auto bind = [&](const auto& value) { row.bind(++column, value); };
-  bind(candidate.frame.value);
-  bind(candidate.rank);
-  bind(candidate.score);
-  bind(candidate.source);
-  for (const int value : {candidate.box.x, candidate.box.y, candidate.box.width, candidate.box.height}) bind(value);
-  for (const double value : candidate.box3d_m) bind(value);
-  bind(candidate.mask_rle);
-  bind(nlohmann::json(candidate.features).dump());
-  bind(candidate.revisited_share);
-  row.exec();
-  row.reset();
-} catch (const SQLite::Exception& error) {
-  throw IoError(path_, "room for another candidate", found(error));
+void SessionWriter::addMetrics(const MetricsRecord& metrics) {
+  nlohmann::ordered_json stages = nlohmann::ordered_json::object();
+  for (const auto& [stage, ms] : metrics.stages_ms) stages[stage] = ms;
+  database_->use("room for the metrics", [&] { insert(statements_->metrics, metrics.ordinal.value, stages.dump()); });
 }
 
-void SessionWriter::addBlob(BlobTable table, const BlobRecord& blob) try {
+void SessionWriter::addCandidate(const CandidateRecord& candidate) {
+  const std::string features = nlohmann::json(candidate.features).dump();
+  database_->use("room for another candidate", [&] {
+    insert(statements_->candidate, candidate.frame.value, candidate.rank, candidate.score, candidate.source,
+           candidate.box.x, candidate.box.y, candidate.box.width, candidate.box.height, candidate.box3d_m,
+           candidate.mask_rle, features, candidate.revisited_share);
+  });
+}
+
+void SessionWriter::addKeyframe(const KeyframeRecord& keyframe) {
+  const std::string color = packColor(keyframe.color);
+  const PackedDepth depth = packDepth(keyframe.depth_m);
+  const std::string pose = poseBytes(keyframe.T_WC);
+  database_->use("room for another keyframe", [&] {
+    insert(statements_->keyframe, keyframe.ordinal.value, Bytes{pose}, Bytes{color}, crc32c(color), Bytes{depth.bytes},
+           depth.unit_m, crc32c(depth.bytes), Bytes{keyframe.features}, crc32c(keyframe.features));
+  });
+}
+
+void SessionWriter::putBlob(BlobTable table, const BlobRecord& blob) {
   const PackedBlob packed = packBlob(blob.bytes);
-  SQLite::Statement row(database_->db, std::string("INSERT INTO ") + nameOf(table) + " VALUES (?,?,?,?,?)");
-  row.bind(1, static_cast<std::int64_t>(blob.key));
-  row.bind(2, static_cast<std::int64_t>(blob.items));
-  row.bind(3, packed.crc32c);
-  row.bind(4, static_cast<std::int64_t>(packed.unpacked_size));
-  row.bindNoCopy(5, packed.bytes.data(), static_cast<int>(packed.bytes.size()));
-  row.exec();
-} catch (const SQLite::Exception& error) {
-  throw IoError(path_, "room for the map", found(error));
+  database_->use("room for the map", [&] {
+    insert(statements_->blob(table), blob.key, blob.items, packed.crc32c, packed.unpacked_size, Bytes{packed.bytes});
+  });
+}
+
+void SessionWriter::removeBlob(BlobTable table, std::uint64_t key) {
+  database_->use("a session that can be written", [&] {
+    SQLite::Statement row(database_->sqlite(), std::string("DELETE FROM ") + nameOf(table) + " WHERE key = ?");
+    insert(row, key);
+  });
+}
+
+void SessionWriter::putState(const std::string& name, const std::string& bytes) {
+  database_->use("room for the state", [&] { insert(statements_->state, name, crc32c(bytes), Bytes{bytes}); });
+}
+
+void SessionWriter::commit(const SessionMetadata& metadata) {
+  SessionMetadata exploring = metadata;
+  exploring.state = SessionState::kExploring;
+  end(exploring);
+  begin();
 }
 
 void SessionWriter::finish(const SessionMetadata& metadata) {
-  try {
-    SQLite::Statement row(database_->db, "INSERT INTO meta VALUES (?,?)");
-    for (const auto& [key, value] : metadataToText(metadata)) {
-      row.bind(1, key);
-      row.bind(2, value);
-      row.exec();
-      row.reset();
-    }
-    database_->frame.reset();
-    database_->candidate.reset();
-    database_->db.exec("COMMIT");
-  } catch (const SQLite::Exception& error) {
-    throw IoError(path_, "room for the session", found(error));
-  }
+  end(metadata);
+  statements_.reset();
+  // Makes one plain file of it. With a reader at it that cannot be, and the session stays as durable in its two.
+  constexpr int kPatience_ms = 500;
+  database_->sqlite().setBusyTimeout(kPatience_ms);
+  database_->sqlite().tryExec("PRAGMA journal_mode = DELETE");
   database_.reset();
+  lock_.reset();
+}
+
+void SessionWriter::end(const SessionMetadata& metadata) {
+  database_->use("room for the session", [&] {
+    for (const auto& [key, value] : metadataToText(metadata)) insert(statements_->meta, key, value);
+    database_->sqlite().exec("COMMIT");
+    if (partial_.empty()) database_->sqlite().exec("PRAGMA wal_checkpoint(PASSIVE)");
+  });
+  if (!partial_.empty()) appear();
+}
+
+/// Gives the partial file its name. SQLite names its journal after the database, so none may be open meanwhile.
+void SessionWriter::appear() {
+  statements_.reset();
+  database_.reset();
+  lock_->sync();
+  if (replaced_) settleOld(path_);
   std::error_code failure;
-  try {
-    makeDurable(partial_);
-    std::filesystem::rename(partial_, path_, failure);
-    if (failure) throw IoError(path_, "a session that can be given its name", failure.message());
-  } catch (const IoError&) {
-    std::filesystem::remove(partial_, failure);
-    throw;
-  }
+  std::filesystem::rename(partial_, path_, failure);
+  if (failure) throw IoError(path_, "a session that can be given its name", failure.message());
+  partial_.clear();
+  replaced_.reset();
   makeDurable(folderOf(path_));
+  database_ = std::make_unique<SessionDatabase>(path_, SessionDatabase::Access::kWrite);
+  useLog();
 }
 
 }  // namespace saccade

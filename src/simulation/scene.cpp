@@ -45,4 +45,16 @@ int Scene::addObject(std::string kind) {
   return objects_.back().id;
 }
 
+void Scene::moveObject(int id, const Eigen::Vector3d& shift_m) {
+  if (id < 1 || id > static_cast<int>(objects_.size())) {
+    throw std::invalid_argument("Scene: expected one of " + std::to_string(objects_.size()) +
+                                " objects, found number " + std::to_string(id));
+  }
+  const Eigen::Vector3f shift = shift_m.cast<float>();
+  for (Surface& surface : surfaces_) {
+    if (surface.object_id != id) continue;
+    for (Eigen::Vector3f& vertex : surface.mesh.vertices) vertex += shift;
+  }
+}
+
 }  // namespace saccade

@@ -21,6 +21,7 @@ constexpr std::string_view kPrefix = "sim:";
 constexpr double kFramesPerSecond = 30.0;
 constexpr std::int64_t kMostFrames = 1'000'000;
 constexpr double kMostNoise = 10.0;
+constexpr double kFarthestMove_m = 10.0;
 
 template <typename Number>
 Number parseValue(const std::string& input, std::string_view key, std::string_view text, Number low, Number high) {
@@ -57,6 +58,7 @@ SourceDescription describe(const SimulationRequest& request, const FrameRange& r
   std::ostringstream location;
   location << kPrefix << request.scene << "?seed=" << request.seed << "&frames=" << request.frames
            << "&noise=" << request.noise;
+  if (request.moved != 0) location << "&moved=" << request.moved << "&dx=" << request.dx_m << "&dy=" << request.dy_m;
   description.location = location.str();
   description.total_frames = request.frames;
   const std::int64_t end = std::min(range.end.value_or(request.frames), request.frames);
@@ -106,7 +108,16 @@ SimulatedSource::SimulatedSource(const SimulationRequest& request, const FrameRa
   }
   const SceneKind& kind = requireKind("sim:" + request.scene, request.scene);
   SourceDescription description = describe(request, range);
-  parts_ = std::make_unique<Parts>(request, range, makeWorld(kind, request.seed));
+  SimulatedWorld world = makeWorld(kind, request.seed);
+  if (request.moved != 0) {
+    const std::size_t objects = world.scene.objects().size();
+    if (request.moved > static_cast<int>(objects)) {
+      throw IoError(description.location, "an object of 1 to " + std::to_string(objects),
+                    "moved=" + std::to_string(request.moved));
+    }
+    world.scene.moveObject(request.moved, {request.dx_m, request.dy_m, 0.0});
+  }
+  parts_ = std::make_unique<Parts>(request, range, std::move(world));
   parts_->description = std::move(description);
 }
 
@@ -177,8 +188,13 @@ SimulationRequest SimulationRequest::parse(const std::string& input) {
       request.frames = parseValue<std::int64_t>(input, key, value, 1, kMostFrames);
     } else if (key == "noise") {
       request.noise = parseValue<double>(input, key, value, 0.0, kMostNoise);
+    } else if (key == "moved") {
+      request.moved = parseValue<int>(input, key, value, 1, std::numeric_limits<int>::max());
+    } else if (key == "dx" || key == "dy") {
+      (key == "dx" ? request.dx_m : request.dy_m) =
+          parseValue<double>(input, key, value, -kFarthestMove_m, kFarthestMove_m);
     } else {
-      throw IoError(input, "the keys seed, frames and noise", std::string(word));
+      throw IoError(input, "the keys seed, frames, noise, moved, dx and dy", std::string(word));
     }
   }
   return request;

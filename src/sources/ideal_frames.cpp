@@ -128,9 +128,12 @@ void describeCalibration(const RgbdCalibration& calibration, SourceDescription& 
   if (calibration.depth) description.remarks.emplace_back("depth is rendered into the colour camera");
   if (!calibration.color_distortion.isZero()) {
     std::ostringstream remark;
-    remark.precision(1);
-    remark << std::fixed << "lens distortion is removed; fx " << calibration.color.fx << " becomes "
-           << description.camera.fx << ", so that no pixel is lost";
+    remark << "lens distortion of colour is removed";
+    if (description.camera != calibration.color) {
+      remark.precision(1);
+      remark << std::fixed << "; fx " << calibration.color.fx << " becomes " << description.camera.fx
+             << ", so that no pixel is lost";
+    }
     description.remarks.push_back(remark.str());
   }
 }

@@ -33,18 +33,17 @@ std::string readFile(const std::filesystem::path& path) {
   ::_exit(127);
 }
 
-}  // namespace
-
-ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrupt_after_s) {
+/// Runs the program and sends it `signal` after a time, if that is not 0.
+ProgramRun runAndSignal(const std::vector<std::string>& arguments, int signal, double after_s) {
   const TemporaryFolder folder;
   const std::string output = folder / "stdout";
   const std::string talk = folder / "stderr";
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("cannot fork");
   if (child == 0) becomeSaccade(arguments, output, talk);
-  if (interrupt_after_s > 0.0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(interrupt_after_s));
-    ::kill(child, SIGINT);
+  if (after_s > 0.0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
+    ::kill(child, signal);
   }
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -53,6 +52,16 @@ ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrup
   run.output = readFile(output);
   run.talk = readFile(talk);
   return run;
+}
+
+}  // namespace
+
+ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrupt_after_s) {
+  return runAndSignal(arguments, SIGINT, interrupt_after_s);
+}
+
+ProgramRun killSaccade(const std::vector<std::string>& arguments, double after_s) {
+  return runAndSignal(arguments, SIGKILL, after_s);
 }
 
 }  // namespace saccade::test

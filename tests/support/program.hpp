@@ -16,4 +16,7 @@ struct ProgramRun {
 /// sent SIGINT after that time.
 [[nodiscard]] ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrupt_after_s = 0.0);
 
+/// The same, killed (SIGKILL) after a time.
+[[nodiscard]] ProgramRun killSaccade(const std::vector<std::string>& arguments, double after_s);
+
 }  // namespace saccade::test

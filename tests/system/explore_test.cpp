@@ -92,7 +92,7 @@ TEST(Explore, CtrlCSavesWhatThereIsAndEndsCleanly) {
   const ProgramRun inspect = runSaccade({"inspect", folder / "s.saccade", "--json"});
   ASSERT_EQ(inspect.exit_code, 0) << inspect.talk;
   const nlohmann::json summary = nlohmann::json::parse(inspect.output);
-  EXPECT_EQ(summary["interrupted"], true);
+  EXPECT_EQ(summary["state"], "interrupted");
   EXPECT_GT(summary["frames"]["processed"].get<int>(), 0);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "saccade/discovery/candidate.hpp"
@@ -34,6 +36,7 @@ class CandidateMeasurer {
 
  private:
   void measureOne(Candidate& candidate, const Perception& seen);
+  void gatherExtremes(std::span<const std::int32_t> segments, const SegmentTable& table);
   [[nodiscard]] double convexity(const Candidate& candidate, const SegmentTable& table);
   int measureOutline(const Perception& seen, const SegmentSums& sums, Candidate& candidate);
   [[nodiscard]] double takeWeakestNeighbor(double min_length);

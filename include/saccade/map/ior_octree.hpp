@@ -23,8 +23,8 @@ class NodePool;
 /// IOR 4, surface 8.
 ///
 /// A leaf holds its IOR memory and its surface. An inner node holds the largest log-odds below it; its IOR says "an
-/// inhibited leaf may be below, until this tick"; its surface bytes hold which children exist. Nodes belong to a tree,
-/// which alone creates and deletes them.
+/// inhibited leaf may be below, until this tick"; its surface bytes hold which children exist and whether anything
+/// below was touched since clearChanged(). Nodes belong to a tree, which alone creates and deletes them.
 class IorOcTreeNode : public octomap::OcTreeNode {
  public:
   IorOcTreeNode() = default;
@@ -40,6 +40,9 @@ class IorOcTreeNode : public octomap::OcTreeNode {
   [[nodiscard]] bool isLeaf() const { return children == nullptr; }
   /// Which children exist, as bits; 0 for a leaf.
   [[nodiscard]] unsigned childMask() const { return children == nullptr ? 0u : surface_.blue; }
+  /// Whether something below an inner node may have changed since clearChanged(). A leaf keeps no such mark.
+  [[nodiscard]] bool changedBelow() const { return surface_.green != 0; }
+  void clearChanged() { surface_.green = 0; }
   /// Child i, which must exist.
   [[nodiscard]] IorOcTreeNode* child(unsigned i) { return familyNode(i); }
   [[nodiscard]] const IorOcTreeNode* child(unsigned i) const { return familyNode(i); }
@@ -66,7 +69,9 @@ class IorOcTreeNode : public octomap::OcTreeNode {
   void becomeInner(unsigned child_mask) {
     surface_ = {};
     surface_.blue = static_cast<std::uint8_t>(child_mask);
+    markChanged();
   }
+  void markChanged() { surface_.green = 1; }
 
   IorState ior_;
   LeafSurface surface_;

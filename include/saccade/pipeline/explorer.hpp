@@ -12,6 +12,15 @@
 
 namespace saccade {
 
+/// All that an exploration has learnt and that its next frame depends on: with it, another Explorer of the same config
+/// and camera goes on as this one would, bit for bit.
+struct ExplorerMemory {
+  IorMap map;
+  SurfaceVolume surface;
+  AttendLog log;
+  MotionPredictor::State motion;
+};
+
 /// Explores a scene frame by frame: tracks the camera, maps, proposes objects, inhibits what was attended, attends the
 /// best of the rest (paper, figure 1).
 ///
@@ -35,9 +44,15 @@ class Explorer {
   /// The same with a pose that is believed instead of tracking; none: the frame counts as lost.
   FrameReport processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC);
 
+  /// Goes on from `memory` instead of from nothing.
+  void restore(ExplorerMemory memory);
+
   [[nodiscard]] const IorMap& map() const;
+  /// For those who keep or page the map between two frames.
+  [[nodiscard]] IorMap& map();
   [[nodiscard]] const SurfaceVolume& surface() const;
   [[nodiscard]] const AttendLog& attendLog() const;
+  [[nodiscard]] const MotionPredictor::State& motion() const;
   [[nodiscard]] const KeyframeSet& keyframes() const;
   [[nodiscard]] const ExplorerConfig& config() const;
   [[nodiscard]] const PinholeCamera& camera() const;

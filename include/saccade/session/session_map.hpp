@@ -1,16 +1,47 @@
 #pragma once
 
+#include <functional>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "saccade/map/attend_log.hpp"
 #include "saccade/map/ior_map.hpp"
+#include "saccade/map/surface_volume.hpp"
 #include "saccade/pipeline/explorer_config.hpp"
 #include "saccade/session/session_reader.hpp"
 
 /// What a session holds, as the objects that it was made from. All throw IoError where the session is damaged.
 namespace saccade {
 
+/// Part of the world that is to be loaded.
+class MapRegion {
+ public:
+  [[nodiscard]] static MapRegion everything();
+  /// What touches the box, in W, metres.
+  [[nodiscard]] static MapRegion box(const Eigen::AlignedBox3d& box_W);
+  /// What comes within `radius_m` of the point.
+  [[nodiscard]] static MapRegion ball(const Eigen::Vector3d& centre_W, double radius_m);
+
+  [[nodiscard]] bool touches(const Eigen::AlignedBox3d& box_W) const { return touches_(box_W); }
+
+ private:
+  explicit MapRegion(std::function<bool(const Eigen::AlignedBox3d&)> touches) : touches_(std::move(touches)) {}
+
+  std::function<bool(const Eigen::AlignedBox3d&)> touches_;
+};
+
 /// The effective configuration of the session's last run.
 [[nodiscard]] ExplorerConfig loadConfig(const SessionReader& session);
 
-/// The map with its attention memory at the session's tick.
-[[nodiscard]] IorMap loadMap(const SessionReader& session);
+/// The map with its attention memory at the session's tick: the whole tiles that touch `region`.
+[[nodiscard]] IorMap loadMap(const SessionReader& session, const MapRegion& region = MapRegion::everything());
+
+/// The surface volume: the whole bricks that touch `region`.
+[[nodiscard]] SurfaceVolume loadSurface(const SessionReader& session,
+                                        const MapRegion& region = MapRegion::everything());
+
+/// The record of every attention.
+[[nodiscard]] AttendLog loadAttendLog(const SessionReader& session);
 
 }  // namespace saccade

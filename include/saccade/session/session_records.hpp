@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -13,9 +14,27 @@
 
 namespace saccade {
 
+/// Position of a frame in a session, over all its runs: unique there, which an index of an input is not. A type of its
+/// own, so that neither is taken for the other.
+struct FrameOrdinal {
+  std::int64_t value = 0;
+  friend auto operator<=>(const FrameOrdinal&, const FrameOrdinal&) = default;
+};
+
+/// One exploration that made the session or went on with it.
+struct RunRecord {
+  int run = 0;
+  FrameOrdinal first;  ///< its frames go from here to the next run's first
+  std::string input;   ///< as given on the command line
+  std::string input_kind;
+  std::string started_utc;  ///< ISO 8601
+  std::string saccade_version;
+};
+
 /// One frame's row in a session: what was tracked and how many candidates there were.
 struct FrameRecord {
-  FrameIndex index;
+  FrameOrdinal ordinal;  ///< given by the writer
+  FrameIndex index;      ///< in the input of its run
   std::string name;
   double stamp_s = 0.0;
   std::string tracking;       ///< "tracked", "weak" or "lost"
@@ -29,9 +48,15 @@ struct FrameRecord {
   double processing_ms = 0.0;
 };
 
+/// How long each stage of a frame took.
+struct MetricsRecord {
+  FrameOrdinal ordinal;
+  std::vector<std::pair<std::string, double>> stages_ms;
+};
+
 /// One attended candidate's row.
 struct CandidateRecord {
-  FrameIndex frame;
+  FrameOrdinal frame;
   int rank = 0;
   double score = 0.0;
   std::string source;               ///< "colour" or "depth"
@@ -42,6 +67,17 @@ struct CandidateRecord {
   double revisited_share = 0.0;  ///< share of its leaves attended at any earlier tick
 };
 
+/// A frame by which its place is known again.
+struct KeyframeRecord {
+  FrameOrdinal ordinal;
+  Pose T_WC = Pose::Identity();  ///< kept exactly
+  cv::Mat3b color;               ///< kept as JPEG, quality 90; empty where the session was thinned to save room
+  /// Kept in steps of 0.25 mm (of 1 mm where something is farther than 16 m; beyond 65 m it is dropped). Empty as
+  /// `color`.
+  cv::Mat1f depth_m;
+  std::string features;  ///< of the relocaliser, opaque here
+};
+
 /// A part of the map as bytes; opaque to the session, which compresses and checks it.
 struct BlobRecord {
   std::uint64_t key = 0;    ///< orders and names the part
@@ -49,11 +85,21 @@ struct BlobRecord {
   std::string bytes;
 };
 
+/// Whether a session is finished.
+enum class SessionState {
+  kExploring,    ///< being written, or its writer was killed: whole up to the last checkpoint
+  kComplete,     ///< the input ended
+  kInterrupted,  ///< ended by hand; all that was explored is in it
+};
+
+/// "exploring", "complete" or "interrupted", as in the file.
+[[nodiscard]] const char* nameOf(SessionState state);
+
 /// What a session says about itself besides frames and map.
 struct SessionMetadata {
   std::string saccade_version;
   std::string created_utc;  ///< ISO 8601
-  std::string input;        ///< as given on the command line
+  std::string input;        ///< as given on the command line, of the last run
   std::string input_kind;
   std::string config_yaml;  ///< the effective configuration
   PinholeCamera camera;
@@ -62,7 +108,8 @@ struct SessionMetadata {
   std::int64_t leaves = 0;
   std::int64_t frames_read = 0;
   std::int64_t frames_skipped = 0;
-  bool interrupted = false;  ///< ended by Ctrl-C rather than by the end of the input
+  std::int64_t range_step = 1;  ///< of the last run's frames in its input
+  SessionState state = SessionState::kComplete;
 };
 
 }  // namespace saccade

@@ -47,6 +47,8 @@ class Scene {
   void add(Surface surface);
   /// Numbers a new object, from 1 on.
   int addObject(std::string kind);
+  /// Shifts all surfaces of an object, metres. Throws std::invalid_argument if there is no such object.
+  void moveObject(int id, const Eigen::Vector3d& shift_m);
   void addLamp(const Lamp& lamp) { lamps_.push_back(lamp); }
 
   [[nodiscard]] const std::vector<cv::Mat3b>& textures() const { return textures_; }

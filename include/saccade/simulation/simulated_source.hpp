@@ -10,12 +10,15 @@
 
 namespace saccade {
 
-/// What `sim:SCENE?key=value&...` asks for: `sim:desk`, `sim:coffee?seed=3&frames=200&noise=0`.
+/// What `sim:SCENE?key=value&...` asks for: `sim:desk`, `sim:coffee?seed=3&frames=200&noise=0`, or
+/// `sim:desk?moved=7&dx=0.2` for the same scene after somebody moved an object.
 struct SimulationRequest {
   std::string scene = "desk";
-  std::uint64_t seed = 0;     ///< placement, looks, camera path and noise
-  std::int64_t frames = 120;  ///< at 30 frames a second; a longer sequence begins with the shorter one
-  double noise = 1.0;         ///< strength of the sensor's noise; 0 = ideal images
+  std::uint64_t seed = 0;         ///< placement, looks, camera path and noise
+  std::int64_t frames = 120;      ///< at 30 frames a second; a longer sequence begins with the shorter one
+  double noise = 1.0;             ///< strength of the sensor's noise; 0 = ideal images
+  int moved = 0;                  ///< an object that is not where it usually is; 0 = none
+  double dx_m = 0.0, dy_m = 0.0;  ///< by how much that object is shifted, along the world's x and y
 
   /// True for a text that begins with "sim:".
   [[nodiscard]] static bool matches(const std::string& input);

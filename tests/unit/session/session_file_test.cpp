@@ -12,6 +12,8 @@
 #include "saccade/session/session_reader.hpp"
 #include "saccade/session/session_writer.hpp"
 #include "session/blob_codec.hpp"
+#include "session/keyframe_images.hpp"
+#include "session/session_database.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace saccade {
@@ -53,9 +55,9 @@ FrameRecord exampleFrame(std::int64_t index) {
   return frame;
 }
 
-CandidateRecord exampleCandidate(std::int64_t frame, int rank) {
+CandidateRecord exampleCandidate(FrameOrdinal frame, int rank) {
   CandidateRecord candidate;
-  candidate.frame = {frame};
+  candidate.frame = frame;
   candidate.rank = rank;
   candidate.score = 0.75;
   candidate.source = "depth";
@@ -65,6 +67,33 @@ CandidateRecord exampleCandidate(std::int64_t frame, int rank) {
   candidate.features = {1.0, 2.5, -3.0};
   candidate.revisited_share = 0.25;
   return candidate;
+}
+
+RunRecord exampleRun() {
+  RunRecord run;
+  run.input = "sim:desk";
+  run.input_kind = "simulated scene";
+  run.started_utc = "2026-01-02T03:04:05Z";
+  run.saccade_version = "0.1.0";
+  return run;
+}
+
+KeyframeRecord exampleKeyframe() {
+  KeyframeRecord keyframe;
+  keyframe.ordinal = {1};
+  // Of a rotation whose entries do not survive a quaternion bit by bit.
+  keyframe.T_WC =
+      Pose(Eigen::Translation3d(0.1, -0.2, 0.3) * Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.1, 0.9, -0.3).normalized()));
+  keyframe.color.create(480, 640);
+  keyframe.depth_m.create(480, 640);
+  for (int v = 0; v < 480; ++v) {
+    for (int u = 0; u < 640; ++u) {
+      keyframe.color(v, u) = cv::Vec3b(static_cast<uchar>(u / 4), static_cast<uchar>(v / 4), 100);
+      keyframe.depth_m(v, u) = u < 10 ? 0.0F : 0.5F + 0.01F * static_cast<float>(v);
+    }
+  }
+  keyframe.features = randomBytes(10'000, 3);
+  return keyframe;
 }
 
 SessionMetadata exampleMetadata() {
@@ -80,22 +109,25 @@ SessionMetadata exampleMetadata() {
   metadata.leaves = 123456789012;
   metadata.frames_read = 2;
   metadata.frames_skipped = 1;
-  metadata.interrupted = true;
+  metadata.state = SessionState::kInterrupted;
   return metadata;
 }
 
 void writeExample(const std::filesystem::path& path, WhenSessionExists when_exists = WhenSessionExists::kRefuse) {
   SessionWriter writer(path, when_exists);
+  writer.addRun(exampleRun());
+  writer.addKeyframe(exampleKeyframe());
   for (int i = 0; i < 2; ++i) {
-    writer.addFrame(exampleFrame(i));
-    writer.addCandidate(exampleCandidate(i, 0));
+    const FrameOrdinal ordinal = writer.addFrame(exampleFrame(i));
+    writer.addMetrics({ordinal, {{"track", 5.5}, {"rank", 0.25}}});
+    writer.addCandidate(exampleCandidate(ordinal, 0));
   }
   FrameRecord lost = exampleFrame(2);
   lost.tracking = "lost";
   lost.T_WC.reset();
   writer.addFrame(lost);
-  writer.addBlob(BlobTable::kTiles, {7, 3, randomBytes(100'000, 1)});
-  writer.addBlob(BlobTable::kTiles, {std::uint64_t{1} << 48, 0, ""});
+  writer.putBlob(BlobTable::kTiles, {7, 3, randomBytes(100'000, 1)});
+  writer.putBlob(BlobTable::kTiles, {std::uint64_t{1} << 48, 0, ""});
   writer.finish(exampleMetadata());
 }
 
@@ -110,7 +142,7 @@ TEST(SessionFile, GivesBackAllThatWasWritten) {
   EXPECT_EQ(metadata.config_yaml, exampleMetadata().config_yaml);
   EXPECT_EQ(metadata.camera, exampleMetadata().camera);
   EXPECT_EQ(metadata.leaves, exampleMetadata().leaves);
-  EXPECT_TRUE(metadata.interrupted);
+  EXPECT_EQ(metadata.state, SessionState::kInterrupted);
 
   const std::vector<FrameRecord> frames = reader.frames();
   ASSERT_EQ(frames.size(), 3U);
@@ -127,10 +159,20 @@ TEST(SessionFile, GivesBackAllThatWasWritten) {
   const std::vector<CandidateRecord> candidates = reader.candidates({1});
   ASSERT_EQ(candidates.size(), 1U);
   EXPECT_EQ(candidates[0].box, cv::Rect(10, 20, 30, 40));
-  EXPECT_EQ(candidates[0].box3d_m, exampleCandidate(1, 0).box3d_m);
+  EXPECT_EQ(candidates[0].box3d_m, exampleCandidate({1}, 0).box3d_m);
   EXPECT_EQ(candidates[0].mask_rle, "abc\\`123");
-  EXPECT_EQ(candidates[0].features, exampleCandidate(1, 0).features);
+  EXPECT_EQ(candidates[0].features, exampleCandidate({1}, 0).features);
   EXPECT_EQ(candidates[0].revisited_share, 0.25);
+
+  const std::vector<RunRecord> runs = reader.runs();
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_EQ(runs[0].input, "sim:desk");
+  EXPECT_EQ(runs[0].started_utc, exampleRun().started_utc);
+  EXPECT_EQ(runs[0].first, FrameOrdinal{0});
+  const std::vector<MetricsRecord> metrics = reader.metrics();
+  ASSERT_EQ(metrics.size(), 2U);
+  EXPECT_EQ(metrics[1].ordinal, FrameOrdinal{1});
+  EXPECT_EQ(metrics[1].stages_ms, (std::vector<std::pair<std::string, double>>{{"track", 5.5}, {"rank", 0.25}}));
 
   std::vector<BlobRecord> tiles;
   reader.visitBlobs(BlobTable::kTiles, [&](const BlobRecord& blob) { tiles.push_back(blob); });
@@ -138,6 +180,83 @@ TEST(SessionFile, GivesBackAllThatWasWritten) {
   EXPECT_EQ(tiles[0].bytes, randomBytes(100'000, 1));
   EXPECT_EQ(tiles[1].key, std::uint64_t{1} << 48);
   EXPECT_TRUE(tiles[1].bytes.empty());
+}
+
+TEST(SessionFile, AKeyframeKeepsItsPoseAndFeaturesExactlyAndItsImagesClosely) {
+  const TemporaryFolder folder;
+  writeExample(folder / "s.saccade");
+  const SessionReader reader(folder / "s.saccade");
+  const KeyframeRecord written = exampleKeyframe();
+  const std::vector<KeyframeRecord> listed = reader.keyframes();
+  ASSERT_EQ(listed.size(), 1U);
+  EXPECT_EQ(listed[0].ordinal, written.ordinal);
+  EXPECT_EQ(listed[0].T_WC.matrix(), written.T_WC.matrix());
+  EXPECT_EQ(listed[0].features, written.features);
+  EXPECT_TRUE(listed[0].color.empty());
+
+  EXPECT_FALSE(reader.keyframe({0}).has_value());
+  const std::optional<KeyframeRecord> whole = reader.keyframe({1});
+  ASSERT_TRUE(whole.has_value());
+  EXPECT_EQ(whole->T_WC.matrix(), written.T_WC.matrix());
+  constexpr double kMeanJpegError = 2.0;  // grey levels, of a smooth image at quality 90
+  EXPECT_LT(cv::norm(whole->color, written.color, cv::NORM_L1) / (3.0 * 640 * 480), kMeanJpegError);
+  constexpr double kHalfStep_m = 0.000126;
+  EXPECT_LT(cv::norm(whole->depth_m, written.depth_m, cv::NORM_INF), kHalfStep_m);
+  EXPECT_EQ(whole->depth_m(0, 0), 0.0F);
+}
+
+TEST(SessionFile, FarDepthOfAKeyframeIsKeptInMillimetres) {
+  cv::Mat1f depth_m(2, 2, 0.3333F);
+  depth_m(1, 1) = 40.1234F;
+  depth_m(0, 1) = 70.0F;  // beyond 16 bit
+  const PackedDepth packed = packDepth(depth_m);
+  EXPECT_EQ(packed.unit_m, 0.001);
+  const cv::Mat1f back = unpackDepth(packed.bytes, packed.unit_m, {2, 2}, "memory");
+  EXPECT_FLOAT_EQ(back(0, 0), 0.333F);
+  EXPECT_FLOAT_EQ(back(1, 1), 40.123F);
+  EXPECT_EQ(back(0, 1), 0.0F);
+}
+
+TEST(SessionFile, DamagedOrOversizedImagesOfAKeyframeAreRefused) {
+  const TemporaryFolder folder;
+  writeExample(folder / "s.saccade");
+  const std::string jpeg = packColor(cv::Mat3b(100, 50, cv::Vec3b(1, 2, 3)));
+  EXPECT_NO_THROW((void)unpackColor(jpeg, {50, 100}, "memory"));
+  EXPECT_THROW((void)unpackColor(jpeg, {640, 480}, "memory"), IoError);
+  EXPECT_THROW((void)unpackColor(jpeg.substr(0, 10), {50, 100}, "memory"), IoError);
+  EXPECT_THROW((void)unpackDepth(jpeg, 0.001, {50, 100}, "memory"), IoError);
+  SQLite::Database(folder / "s.saccade", SQLite::OPEN_READWRITE)
+      .exec("UPDATE keyframes SET color = substr(color, 1, 500) || x'00' || substr(color, 502)");
+  EXPECT_THROW((void)SessionReader(folder / "s.saccade").keyframe({1}), IoError);
+}
+
+constexpr SessionPart kExamplePart{"example", 2, "CREATE TABLE example (a INTEGER PRIMARY KEY, b TEXT)"};
+
+TEST(SessionFile, APartIsMadeOnceAndRefusedAloneWhenItIsNewer) {
+  const TemporaryFolder folder;
+  writeExample(folder / "s.saccade");
+  {
+    SessionDatabase session(folder / "s.saccade", SessionDatabase::Access::kWrite);
+    EXPECT_FALSE(session.hasPart(kExamplePart));
+    session.requirePart(kExamplePart);
+    session.requirePart(kExamplePart);
+    session.sqlite().exec("INSERT INTO example VALUES (1, 'x')");
+  }
+  const SessionReader reader(folder / "s.saccade");
+  EXPECT_TRUE(reader.database().hasPart(kExamplePart));
+  EXPECT_EQ(reader.frames().size(), 3U);
+  constexpr SessionPart kOlderProgram{"example", 1, ""};
+  EXPECT_THROW((void)reader.database().hasPart(kOlderProgram), IoError);
+}
+
+TEST(SessionFile, ViewsAndTriggersAreRefused) {
+  const TemporaryFolder folder;
+  writeExample(folder / "s.saccade");
+  SQLite::Database(folder / "s.saccade", SQLite::OPEN_READWRITE)
+      .exec(
+          "DROP TABLE frames; CREATE VIEW frames AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) "
+          "SELECT i FROM n");
+  EXPECT_THROW(SessionReader(folder / "s.saccade"), IoError);
 }
 
 TEST(SessionFile, AnExistingSessionIsRefusedUnlessItMayBeReplaced) {
@@ -181,7 +300,7 @@ TEST(SessionFile, ADiskThatFillsUpIsAnErrorAndTheOldSessionStays) {
   EXPECT_THROW(
       {
         SessionWriter writer(folder / "s.saccade", WhenSessionExists::kReplace);
-        for (unsigned i = 0; i < 64; ++i) writer.addBlob(BlobTable::kTiles, {i, 1, randomBytes(1 << 17, i)});
+        for (unsigned i = 0; i < 64; ++i) writer.putBlob(BlobTable::kTiles, {i, 1, randomBytes(1 << 17, i)});
         writer.finish(exampleMetadata());
       },
       IoError);
@@ -204,7 +323,7 @@ TEST(SessionFile, ForeignTruncatedAndFutureFilesAreRefusedWithOneError) {
   EXPECT_THROW(SessionReader(folder / "other.saccade"), IoError);
 
   writeExample(folder / "future.saccade");
-  SQLite::Database(folder / "future.saccade", SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 2");
+  SQLite::Database(folder / "future.saccade", SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 3");
   EXPECT_THROW(SessionReader(folder / "future.saccade"), IoError);
 
   writeExample(folder / "keyless.saccade");
@@ -216,7 +335,8 @@ TEST(SessionFile, ForeignTruncatedAndFutureFilesAreRefusedWithOneError) {
 bool readsWhole(const std::filesystem::path& path) {
   try {
     const SessionReader reader(path);
-    for (const FrameRecord& frame : reader.frames()) (void)reader.candidates(frame.index);
+    for (const FrameRecord& frame : reader.frames()) (void)reader.candidates(frame.ordinal);
+    for (const KeyframeRecord& keyframe : reader.keyframes()) (void)reader.keyframe(keyframe.ordinal);
     for (const BlobTable table : {BlobTable::kTiles, BlobTable::kBricks, BlobTable::kAttendLog}) {
       reader.visitBlobs(table, [](const BlobRecord&) {});
     }

@@ -107,6 +107,23 @@ TEST(SimulatedSource, RefusesWhatItDoesNotKnow) {
   EXPECT_EQ(openSource("sim:desk?seed=18446744073709551615&frames=1&noise=0.5")->description().frames, 1);
 }
 
+TEST(SimulatedSource, AnObjectThatSomebodyMovedIsElsewhereAndTheOthersAreNot) {
+  const RgbdFrame before = readOnly("sim:desk?noise=0", 0), after = readOnly("sim:desk?noise=0&moved=6&dx=0.1", 0);
+  const auto pixelsOf = [](const RgbdFrame& frame, int id) { return cv::Mat1b(frame.label == id); };
+  ASSERT_GT(cv::countNonZero(pixelsOf(before, 6)), 0);
+  EXPECT_FALSE(sameBytes(pixelsOf(before, 6), pixelsOf(after, 6)));
+  int others_moved = 0;
+  for (int v = 0; v < before.label.rows; ++v) {
+    for (int u = 0; u < before.label.cols; ++u) {
+      const int a = before.label(v, u), b = after.label(v, u);
+      others_moved += a != b && a != 6 && b != 6 ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(others_moved, 0);
+  EXPECT_THROW(readOnly("sim:desk?moved=1000", 0), IoError);
+  EXPECT_THROW(readOnly("sim:desk?moved=1&dx=nan", 0), IoError);
+}
+
 TEST(SimulatedSource, TakesTheScenesOwnNumberOfFrames) {
   EXPECT_EQ(SimulationRequest::parse("sim:desk").frames, 120);
   EXPECT_EQ(SimulationRequest::parse("sim:coffee?seed=2").frames, 436);

@@ -139,7 +139,7 @@ TEST(TumFolder, ReadsIntrinsicsYamlWithDistortion) {
   EXPECT_EQ(source->description().intrinsics_origin, "intrinsics.yaml");
   EXPECT_EQ(source->description().depth_units_per_metre, 1000.0);
   ASSERT_EQ(source->description().remarks.size(), 1u);
-  EXPECT_NE(source->description().remarks[0].find("lens distortion is removed"), std::string::npos);
+  EXPECT_EQ(source->description().remarks[0].find("lens distortion of colour is removed"), 0u);
 }
 
 TEST(LabelledFolder, GivesLabelsOfEitherDepthAndTheIgnoreLimit) {

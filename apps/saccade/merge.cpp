@@ -1,0 +1,57 @@
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "given_transform.hpp"
+#include "saccade/exchange/session_merge.hpp"
+#include "terminal.hpp"
+
+namespace saccade::app {
+namespace {
+
+struct Options {
+  std::string first, second, output;
+  std::vector<double> transform;
+  bool force = false;
+};
+
+void run(const Options& options) {
+  const SessionReader first(options.first), second(options.second);
+  const auto when_exists = options.force ? WhenSessionExists::kReplace : WhenSessionExists::kRefuse;
+  const std::string now = fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)));
+  const SessionMergeReport report =
+      mergeSessions(first, second, givenTransform(options.transform), options.output, when_exists, now);
+  const auto count = [](auto n) { return grouped(static_cast<std::int64_t>(n)); };
+  std::cerr << alignedTable({{"leaves", count(report.leaves)},
+                             {"known to both", count(report.map.common)},
+                             {"attention lifted where they disagree", count(report.map.lifted)},
+                             {"surface bricks", count(report.bricks)},
+                             {"frames", count(report.frames)},
+                             {"keyframes", count(report.keyframes)},
+                             {"tick", count(report.tick)}});
+  std::cerr << "written: " << std::filesystem::absolute(options.output).lexically_normal().string() << "\n";
+}
+
+}  // namespace
+
+void addMerge(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("merge", "Make one session of two");
+  command->add_option("A", options->first, "the session whose world frame and settings are kept")->required();
+  command->add_option("B", options->second, "the session that is added to it")->required();
+  command->add_option("-o,--output", options->output, "the session to write (*.saccade)")->required();
+  command
+      ->add_option("--transform", options->transform,
+                   "tx ty tz qx qy qz qw that takes points of B's world frame to A's (default: the same frame)")
+      ->expected(7);
+  command->add_flag("--force", options->force, "replace a session that exists");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace saccade::app

@@ -1,0 +1,78 @@
+#include "saccade/exchange/surface_merge.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "support/depth_scene.hpp"
+
+namespace saccade {
+namespace {
+
+SurfaceVolume volumeSeenFrom(const Pose& T_WC) {
+  SurfaceVolumeConfig config;
+  config.cell_m = 0.02;
+  SurfaceVolume volume(config);
+  DepthMaps depth;
+  const PinholeCamera camera = test::smallCamera();
+  DepthPreparation().prepare(test::cornerWithBalls().render(camera, T_WC), camera, depth);
+  volume.integrate(depth, T_WC);
+  return volume;
+}
+
+bool sameBricks(const SurfaceVolume& a, const SurfaceVolume& b) {
+  if (a.bricks().size() != b.bricks().size()) return false;
+  for (std::size_t i = 0; i < a.bricks().size(); ++i) {
+    const auto found = std::find(b.bricks().begin(), b.bricks().end(), a.bricks()[i]);
+    if (found == b.bricks().end()) return false;
+    const SurfaceBrick& other = b.brick(static_cast<std::size_t>(found - b.bricks().begin()));
+    if (a.brick(i).distance != other.distance || a.brick(i).weight != other.weight) return false;
+  }
+  return true;
+}
+
+TEST(MergeSurface, OfOneVolumeIntoAnEmptyOneIsTheVolume) {
+  const SurfaceVolume volume = volumeSeenFrom(Pose::Identity());
+  SurfaceVolume merged(volume.config());
+  mergeSurface(volume, Pose::Identity(), merged);
+  // Bricks that hold nothing known are not carried over.
+  SurfaceVolume again(volume.config());
+  mergeSurface(merged, Pose::Identity(), again);
+  EXPECT_TRUE(sameBricks(merged, again));
+  for (std::size_t i = 0; i < merged.bricks().size(); ++i) {
+    const auto found = std::find(volume.bricks().begin(), volume.bricks().end(), merged.bricks()[i]);
+    ASSERT_NE(found, volume.bricks().end());
+    EXPECT_EQ(merged.brick(i).distance,
+              volume.brick(static_cast<std::size_t>(found - volume.bricks().begin())).distance);
+  }
+}
+
+TEST(MergeSurface, AnEmptyVolumeAddsNothing) {
+  const SurfaceVolume volume = volumeSeenFrom(Pose::Identity());
+  SurfaceVolume merged = volumeSeenFrom(Pose::Identity());
+  mergeSurface(SurfaceVolume(volume.config()), Pose::Identity(), merged);
+  EXPECT_TRUE(sameBricks(volume, merged));
+}
+
+TEST(MergeSurface, FromAnotherFrameTheSurfaceLiesWhereItIs) {
+  const test::DepthScene scene = test::cornerWithBalls();
+  const Pose T_IF = test::poseOf({1, 2, 3}, 25.0, {0.4, -0.2, 0.1});
+  // The same camera, in a world whose frame F it is: the volume knows the scene in F.
+  SurfaceVolume merged(volumeSeenFrom(Pose::Identity()).config());
+  mergeSurface(volumeSeenFrom(Pose::Identity()), T_IF, merged);
+  int known = 0;
+  double worst_m = 0.0;
+  for (const test::DepthScene::Ball& ball : scene.balls) {
+    const Eigen::Vector3d front = ball.centre - ball.radius * ball.centre.normalized();  // what the camera saw
+    const auto distance_m = merged.distanceAt(T_IF * front);
+    if (!distance_m) continue;
+    ++known;
+    worst_m = std::max(worst_m, std::abs(*distance_m));
+  }
+  EXPECT_EQ(known, 3);
+  constexpr double kHalfACell_m = 0.01;  // one view of a quarter of the resolution, interpolated twice
+  EXPECT_LT(worst_m, kHalfACell_m);
+}
+
+}  // namespace
+}  // namespace saccade
