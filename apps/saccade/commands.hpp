@@ -6,6 +6,7 @@
 namespace saccade::app {
 
 void addExplore(CLI::App& program);
+void addResume(CLI::App& program);
 void addInspect(CLI::App& program);
 void addRender(CLI::App& program);
 void addSaliency(CLI::App& program);

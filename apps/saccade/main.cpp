@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   program.get_formatter()->column_width(34);
   saccade::app::addExplore(program);
+  saccade::app::addResume(program);
   saccade::app::addInspect(program);
   saccade::app::addRender(program);
   saccade::app::addSaliency(program);

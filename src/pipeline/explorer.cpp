@@ -47,6 +47,7 @@ struct Explorer::Stages {
         keyframes(c.keyframes),
         extractor(c.features),
         relocaliser(c.relocalisation, c.verification, c.tracking),
+        verifier(c.verification, c.tracking),
         renderer(c.rendering) {}
 
   ExplorerConfig config;
@@ -61,6 +62,7 @@ struct Explorer::Stages {
   KeyframeSet keyframes;
   FeatureExtractor extractor;
   Relocaliser relocaliser;
+  PlaceVerifier verifier;
   Renderer renderer;
   BackProjector projector;
   AttendLog log;
@@ -163,6 +165,25 @@ void Explorer::restore(ExplorerMemory memory) {
   stages_->motion.restore(memory.motion);
 }
 
+std::optional<VerifiedPlace> Explorer::findPlace(const RgbdFrame& frame) {
+  if (!prepare(frame)) return std::nullopt;
+  Stages& s = *stages_;
+  return s.relocaliser.find(s.extractor.extract(frame.color, s.depth), s.depth, s.surface);
+}
+
+std::optional<VerifiedPlace> Explorer::verifyPlace(const RgbdFrame& frame, const Pose& guess) {
+  if (!prepare(frame)) return std::nullopt;
+  return stages_->verifier.verify(stages_->depth, stages_->surface, guess);
+}
+
+void Explorer::placeAt(double stamp_s, const Pose& T_WC) {
+  MotionPredictor::State state;
+  state.known = true;
+  state.stamp_s = stamp_s;
+  state.T_WC = T_WC;
+  stages_->motion.restore(state);
+}
+
 const IorMap& Explorer::map() const {
   return stages_->map;
 }
@@ -215,19 +236,26 @@ void Explorer::requireImages(const RgbdFrame& frame) const {
   }
 }
 
+/// Fills the depth maps; false, and they are empty, for a frame of colour alone.
+bool Explorer::prepare(const RgbdFrame& frame) {
+  requireImages(frame);
+  Stages& s = *stages_;
+  s.depth.depth_m.resize(0);
+  if (frame.depth_m.empty()) return false;
+  s.preparation.prepare(frame.depth_m, s.camera, s.depth);
+  return true;
+}
+
 /// Figure 1 of the paper. The attention branch needs only the frame and runs beside the map branch.
 FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<Tracking>& believed) {
   Stages& s = *stages_;
-  requireImages(frame);
   FrameReport report;
   report.index = frame.index;
   report.name = frame.name;
   report.stamp_s = frame.stamp_s;
   StageClock clock;
 
-  const bool has_depth = !frame.depth_m.empty();
-  s.depth.depth_m.resize(0);
-  if (has_depth) clock.time("prepare depth", [&] { s.preparation.prepare(frame.depth_m, s.camera, s.depth); });
+  const bool has_depth = clock.time("prepare depth", [&] { return prepare(frame); });
   tbb::parallel_invoke([&] { s.perceiver.perceive(frame.color, has_depth ? &s.depth : nullptr, s.seen); },
                        [&] {
                          report.tracking = believed ? *believed : s.track(frame.stamp_s, clock);

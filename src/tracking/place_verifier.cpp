@@ -7,7 +7,7 @@ constexpr int kViewReduction = 2;
 constexpr int kPointStride_px = 2;
 
 TrackerConfig withEigenvalue(TrackerConfig config, double weak_eigenvalue) {
-  config.weak_eigenvalue = weak_eigenvalue;
+  config.solved_eigenvalue = config.weak_eigenvalue = weak_eigenvalue;
   return config;
 }
 

@@ -47,6 +47,13 @@ class Explorer {
   /// Goes on from `memory` instead of from nothing.
   void restore(ExplorerMemory memory);
 
+  /// Where the frame was taken, by the keyframes and the surface alone; none if that is not certain. Edits nothing.
+  [[nodiscard]] std::optional<VerifiedPlace> findPlace(const RgbdFrame& frame);
+  /// The same near `guess`, by the surface alone.
+  [[nodiscard]] std::optional<VerifiedPlace> verifyPlace(const RgbdFrame& frame, const Pose& guess);
+  /// Says that the camera is at `T_WC` at `stamp_s`, at rest: the next frame is tracked from there.
+  void placeAt(double stamp_s, const Pose& T_WC);
+
   [[nodiscard]] const IorMap& map() const;
   /// For those who keep or page the map between two frames.
   [[nodiscard]] IorMap& map();
@@ -61,6 +68,7 @@ class Explorer {
   struct Stages;
 
   void requireImages(const RgbdFrame& frame) const;
+  bool prepare(const RgbdFrame& frame);
   FrameReport processFrame(const RgbdFrame& frame, const std::optional<Tracking>& believed);
 
   std::unique_ptr<Stages> stages_;
