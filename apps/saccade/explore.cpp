@@ -206,7 +206,7 @@ void goOn(const ContinuedSession& continued, Explorer& explorer) {
   if (!(expected == found)) {
     throw IoError(continued.reader.path(), "an input of the session's camera (" + text(expected) + ")", text(found));
   }
-  resumeFrom(continued.reader, explorer);
+  explorer.restore(loadMemory(continued.reader));
 }
 
 void run(Options options) {

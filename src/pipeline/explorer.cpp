@@ -163,6 +163,9 @@ void Explorer::restore(ExplorerMemory memory) {
   stages_->surface = std::move(memory.surface);
   stages_->log = std::move(memory.log);
   stages_->motion.restore(memory.motion);
+  stages_->keyframes = KeyframeSet(config().keyframes);
+  stages_->relocaliser = Relocaliser(config().relocalisation, config().verification, config().tracking);
+  for (std::shared_ptr<const Keyframe>& keyframe : memory.keyframes) stages_->remember(std::move(keyframe));
 }
 
 std::optional<VerifiedPlace> Explorer::findPlace(const RgbdFrame& frame) {

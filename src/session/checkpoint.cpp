@@ -56,6 +56,7 @@ void CheckpointThread::finish(const Checkpoint& checkpoint) {
 
 void CheckpointThread::work() {
   std::unique_lock lock(mutex_);
+  if (spare_) spare_->map.makeRoom();
   for (;;) {
     changed_.wait(lock, [&] { return ending_ || in_work_ != nullptr; });
     if (in_work_ == nullptr) return;

@@ -73,12 +73,13 @@ SessionSink::SessionSink(std::unique_ptr<SessionWriter> writer, Explorer& explor
   metadata_.camera = explorer.camera();
   metadata_.leaf_size_m = config.map.leaf_size_m;
   writer->addRun(run);
+  checkpoint_->map.makeRoom();
   thread_ = std::make_unique<CheckpointThread>(std::move(writer));
 }
 
 SessionSink::~SessionSink() = default;
 
-void SessionSink::accept(const RgbdFrame& /*frame*/, const FrameReport& report) {
+void SessionSink::accept(const RgbdFrame& frame, const FrameReport& report) {
   ++metadata_.frames_read;
   const FrameOrdinal ordinal{next_ordinal_++};
   checkpoint_->frames.push_back(recordOf(report));
@@ -90,10 +91,16 @@ void SessionSink::accept(const RgbdFrame& /*frame*/, const FrameReport& report) 
   for (std::size_t rank = 0; rank < report.attended; ++rank) {
     checkpoint_->candidates.push_back(recordOf(report, ordinal, rank, outliner_));
   }
+  if (report.keyframe) {
+    checkpoint_->keyframes.push_back({ordinal, report.keyframe->T_WC, frame.color.clone(), frame.depth_m.clone(),
+                                      encodeFeatures(report.keyframe->features)});
+  }
   const auto now = std::chrono::steady_clock::now();
   if (!thread_->idle() || now - last_checkpoint_ < interval_) return;
   last_checkpoint_ = now;
   fill();
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - now;
+  checkpoint_->metrics.back().stages_ms.emplace_back("checkpoint", taken.count());
   thread_->write(checkpoint_);
 }
 
@@ -111,11 +118,11 @@ void SessionSink::finish() {
   thread_->finish(*checkpoint_);
 }
 
-void resumeFrom(const SessionReader& session, Explorer& explorer) {
+ExplorerMemory loadMemory(const SessionReader& session) {
   const std::optional<std::string> motion = session.state(kMotionState);
   if (!motion) throw IoError(session.path(), "the state of a tracked exploration to go on with", "none");
-  explorer.restore(
-      {loadMap(session), loadSurface(session), loadAttendLog(session), decodeMotion(*motion, session.path())});
+  return {loadMap(session), loadSurface(session), loadAttendLog(session), decodeMotion(*motion, session.path()),
+          loadKeyframes(session)};
 }
 
 }  // namespace saccade

@@ -34,14 +34,19 @@ void makeDurable(const std::filesystem::path& path) {
   if (synced != 0) throw IoError(path, "data that reach the disk", std::strerror(reason));
 }
 
-/// Puts what a killed writer left beside a session that is to be replaced into it: under the new one's name, SQLite
-/// would take it for the new one's. What is no database has nothing beside it that SQLite would read.
+/// Removes what SQLite keeps beside a database: under the name of a new one, it would be taken for the new one's.
+void removeCompanions(const std::filesystem::path& path) {
+  std::error_code ignored;
+  for (const char* suffix : {"-journal", "-wal", "-shm"}) std::filesystem::remove(path.string() + suffix, ignored);
+}
+
+/// Puts what a killed writer left beside a session that is to be replaced into it: it is part of the old one,
+/// which must stay whole until the new one is there.
 void settleOld(const std::filesystem::path& path) {
   try {
     SQLite::Database(path.string(), SQLite::OPEN_READWRITE).exec("PRAGMA journal_mode = DELETE");
   } catch (const SQLite::Exception&) {
-    std::error_code ignored;
-    for (const char* suffix : {"-journal", "-wal", "-shm"}) std::filesystem::remove(path.string() + suffix, ignored);
+    return;  // no database: what lies beside it is removed as it is
   }
 }
 
@@ -86,14 +91,11 @@ SessionWriter::SessionWriter(const std::filesystem::path& path, WhenSessionExist
   lock_ = std::make_unique<SessionLock>(partial_, SessionLock::WhenMissing::kCreate);
   try {
     std::filesystem::resize_file(partial_, 0, ignored);  // of a writer that was killed
+    removeCompanions(partial_);
     database_ = std::make_unique<SessionDatabase>(partial_, SessionDatabase::Access::kCreate);
-    database_->use("a session file that can be written", [&] {
-      // The partial file is worthless after a crash whatever its state, so it needs no journal; appear() syncs it.
-      database_->sqlite().exec("PRAGMA journal_mode = OFF");
-      database_->sqlite().exec("PRAGMA synchronous = OFF");
-    });
     begin();
   } catch (...) {
+    database_.reset();
     std::filesystem::remove(partial_, ignored);
     throw;
   }
@@ -236,6 +238,7 @@ void SessionWriter::appear() {
   database_.reset();
   lock_->sync();
   if (replaced_) settleOld(path_);
+  removeCompanions(path_);  // also of a session that was removed without them
   std::error_code failure;
   std::filesystem::rename(partial_, path_, failure);
   if (failure) throw IoError(path_, "a session that can be given its name", failure.message());

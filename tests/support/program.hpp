@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,9 @@ struct ProgramRun {
 /// sent SIGINT after that time.
 [[nodiscard]] ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrupt_after_s = 0.0);
 
-/// The same, killed (SIGKILL) after a time.
-[[nodiscard]] ProgramRun killSaccade(const std::vector<std::string>& arguments, double after_s);
+/// Runs the program, waits until it has made `file`, and kills it (SIGKILL) `after_s` later; an empty name waits for
+/// nothing.
+[[nodiscard]] ProgramRun killSaccade(const std::vector<std::string>& arguments, const std::filesystem::path& file,
+                                     double after_s);
 
 }  // namespace saccade::test

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "saccade/core/frame.hpp"
 #include "saccade/map/attend_log.hpp"
@@ -19,6 +20,7 @@ struct ExplorerMemory {
   SurfaceVolume surface;
   AttendLog log;
   MotionPredictor::State motion;
+  std::vector<std::shared_ptr<const Keyframe>> keyframes;  ///< in the order in which they came
 };
 
 /// Explores a scene frame by frame: tracks the camera, maps, proposes objects, inhibits what was attended, attends the

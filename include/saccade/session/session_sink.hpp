@@ -27,7 +27,7 @@ inline constexpr double kCheckpointInterval_s = 5.0;
 class SessionSink final : public FrameSink {
  public:
   /// `explorer` must outlive the sink, `outliner`: that of the input's camera and lens, `run`: where the frames come
-  /// from. For a session to go on with, `before` is its metadata and `explorer` holds all that is in it (resumeFrom()).
+  /// from. For a session to go on with, `before` is its metadata and `explorer` holds all that is in it (loadMemory()).
   SessionSink(std::unique_ptr<SessionWriter> writer, Explorer& explorer, CandidateOutliner outliner,
               const RunRecord& run, const SessionMetadata* before = nullptr,
               double checkpoint_interval_s = kCheckpointInterval_s);
@@ -58,8 +58,8 @@ class SessionSink final : public FrameSink {
   std::unique_ptr<CheckpointThread> thread_;
 };
 
-/// Puts all that a session holds into `explorer`, whose config and camera must be the session's: the next frame is
-/// processed as if exploration had never stopped. Throws IoError if the session is damaged.
-void resumeFrom(const SessionReader& session, Explorer& explorer);
+/// All that an explorer has to know to go on with a session (Explorer::restore) as if it had never stopped. Throws
+/// IoError if the session is damaged, or was not made by exploring.
+[[nodiscard]] ExplorerMemory loadMemory(const SessionReader& session);
 
 }  // namespace saccade

@@ -203,18 +203,22 @@ TEST(Checkpoint, KillingTheWriterAtAHundredRandomMomentsLosesNothingThatWasDurab
   std::mt19937 random(7);
   int seen = 0;
   for (int kill = 0; kill < 100; ++kill) {
-    std::filesystem::remove(path);
+    std::filesystem::remove(path);  // and what the last writer left beside it stays: it must do no harm
     int pipe[2];
     ASSERT_EQ(::pipe(pipe), 0);
     const pid_t child = ::fork();
     if (child == 0) writeUntilKilled(path, pipe[1]);
     ::close(pipe[1]);
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % 60'000));
+    // Some moments before the first commit, most between two or in the middle of one.
+    std::int64_t durable = -1, step = 0;
+    for (unsigned wait = random() % 4; wait > 0 && ::read(pipe[0], &step, sizeof step) == sizeof step; --wait) {
+      durable = step;
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 30'000));
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);
     ASSERT_TRUE(WIFSIGNALED(status)) << "the writer ended by itself with " << WEXITSTATUS(status);
-    std::int64_t durable = -1, step = 0;
     while (::read(pipe[0], &step, sizeof step) == sizeof step) durable = step;
     ::close(pipe[0]);
     if (!std::filesystem::exists(path)) {
@@ -230,7 +234,7 @@ TEST(Checkpoint, KillingTheWriterAtAHundredRandomMomentsLosesNothingThatWasDurab
     EXPECT_EQ(itemsOfBricks(reader), (std::vector<std::uint64_t>{last, last, last})) << "kill " << kill;
     EXPECT_TRUE(verifySession(path).complaints.empty()) << "kill " << kill;
   }
-  EXPECT_GT(seen, 30);  // most kills come after the first commit
+  EXPECT_GT(seen, 50);  // three of four kills wait for the first commit
 }
 
 }  // namespace
