@@ -14,6 +14,7 @@
 #include "saccade/core/config_file.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/inspection/picture_sinks.hpp"
+#include "saccade/objects/object_table.hpp"
 #include "saccade/pipeline/candidate_sink.hpp"
 #include "saccade/pipeline/explorer.hpp"
 #include "saccade/pipeline/trajectory_sink.hpp"
@@ -185,6 +186,22 @@ void printFiles(const Options& options) {
   if (!options.session.empty()) std::cerr << "next: saccade inspect " << options.session << "\n";
 }
 
+/// The next usable frame of a source, if there is one, and why those before it were skipped.
+struct Reading {
+  RgbdFrame frame;
+  bool has_frame = false;
+  std::vector<std::string> skipped;
+};
+
+void readFrame(FrameSource& source, Reading& reading) {
+  reading.skipped.clear();
+  ReadStatus status = source.read(reading.frame);
+  for (; status == ReadStatus::kSkip; status = source.read(reading.frame)) {
+    reading.skipped.push_back(source.skipReason());
+  }
+  reading.has_frame = status == ReadStatus::kFrame;
+}
+
 /// The frames of the input that were asked for; of a session that is gone on with, those behind its last one.
 FrameRange effectiveRange(const Options& options, const std::optional<ContinuedSession>& continued) {
   if (!options.range.empty()) return FrameRange::parse(options.range);
@@ -250,20 +267,22 @@ void run(Options options) {
   catchInterrupts();
   RunTotals totals;
   ProgressLine progress(description.frames);
-  RgbdFrame frame;
+  Reading reading, next;
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  while (!interrupted()) {
-    const ReadStatus status = source.read(frame);
-    if (status == ReadStatus::kEnd) break;
-    if (status == ReadStatus::kSkip) {
+  for (readFrame(source, reading); !interrupted(); std::swap(reading, next)) {
+    for (const std::string& reason : reading.skipped) {
       ++totals.skipped;
       if (session != nullptr) session->noteSkipped();
       progress.clear();
-      std::cerr << "skipped: " << source.skipReason() << "\n";
-      continue;
+      std::cerr << "skipped: " << reason << "\n";
     }
-    const FrameReport report = poses ? explorer.processAt(frame, poses->find(frame)) : explorer.process(frame);
+    if (!reading.has_frame) break;
+    readFrame(source, next);
+    const RgbdFrame& frame = reading.frame;
+    const RgbdFrame* ahead = next.has_frame ? &next.frame : nullptr;
+    const FrameReport report =
+        poses ? explorer.processAt(frame, poses->find(frame), ahead) : explorer.process(frame, ahead);
     totals.add(report);
     for (const auto& sink : sinks) sink->accept(frame, report);
     progress.show(totals.frames + totals.skipped,
@@ -275,6 +294,7 @@ void run(Options options) {
 
   if (session != nullptr && interrupted()) session->noteInterrupted();
   for (const auto& sink : sinks) sink->finish();
+  if (!options.session.empty()) storeObjects(options.session);
   if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
   printTotals(totals, explorer, elapsed_s);
   printFiles(options);

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdint>
 #include <ctime>
 #include <deque>
@@ -13,8 +14,8 @@
 #include <tbb/global_control.h>
 
 #include "commands.hpp"
-#include "given_transform.hpp"
 #include "saccade/core/errors.hpp"
+#include "saccade/objects/object_table.hpp"
 #include "saccade/pipeline/candidate_sink.hpp"
 #include "saccade/pipeline/placement.hpp"
 #include "saccade/pipeline/trajectory_sink.hpp"
@@ -156,6 +157,17 @@ RgbdFrame copyOf(const RgbdFrame& frame) {
   return copy;
 }
 
+/// The pose that seven numbers name, tx ty tz qx qy qz qw as in TUM files.
+Pose givenPose(const std::vector<double>& numbers) {
+  const Eigen::Quaterniond q(numbers[6], numbers[3], numbers[4], numbers[5]);
+  constexpr double kRounding = 1e-3;  // of numbers typed from a file
+  if (!(std::abs(q.norm() - 1.0) < kRounding)) {
+    throw std::invalid_argument("--pose expects tx ty tz qx qy qz qw with a quaternion of length 1, found length " +
+                                std::to_string(q.norm()));
+  }
+  return Pose(Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) * q.normalized());
+}
+
 void run(const Options& options) {
   std::optional<tbb::global_control> threads;
   if (options.threads > 0) {
@@ -180,7 +192,7 @@ void run(const Options& options) {
 
   catchInterrupts();
   std::optional<Pose> guess;
-  if (!options.pose.empty()) guess = givenTransform(options.pose, "--pose");
+  if (!options.pose.empty()) guess = givenPose(options.pose);
   Placement placement(*explorer, guess);
   Counts counts;
   std::int64_t offered = 0;
@@ -202,6 +214,7 @@ void run(const Options& options) {
     auto sink = makeSink(options, std::move(writer), *explorer, frames.description(), range.step, &before);
     waiting.erase(waiting.begin(), waiting.end() - 1);
     explore(options, *explorer, std::move(sink), std::move(waiting), frames, counts);
+    storeObjects(options.session);
     std::cerr << "resumed: " << absolute(options.session) << "\n";
     return;
   }
@@ -218,6 +231,7 @@ void run(const Options& options) {
     std::cerr << fmt::format("its first {} frames are dropped\n", static_cast<std::size_t>(offered) - waiting.size());
   }
   explore(options, *explorer, std::move(sink), std::move(waiting), frames, counts);
+  storeObjects(apart);
   throw std::runtime_error(reason + "; it was explored as " + absolute(apart) + ", which saccade merge may join");
 }
 

@@ -14,11 +14,8 @@ namespace saccade {
 namespace {
 
 // Float input carries a relative error of 6e-8 per coordinate; a few of them add up in a plane's equation.
-constexpr double kRelativeTolerance = 1e-6;
+constexpr double kRelativeTolerance = 5e-7;
 constexpr std::size_t kQuad = 4;  // planes looked at together; arrays are padded to it
-// Points are taken in strides: neighbours in the input tend to be neighbours in space, and a hull that grows on all
-// sides at once makes fewer triangles that do not last.
-constexpr std::size_t kStride = 5;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 using Quad = double __attribute__((vector_size(32)));
@@ -67,8 +64,13 @@ int ConvexHull::build(std::span<const Eigen::Vector3f> points) {
     triangles_[i].neighbors = beside[i];
   }
   edge_from_.assign(points_.size(), 0);
-  for (std::size_t start = 0; start < kStride; ++start) {
-    for (std::size_t i = start; i < points_.size(); i += kStride) addPoint(static_cast<int>(i));
+  sortOutermostFirst();
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    // A corner must not be taken twice, though by rounding it may seem to see a sliver; equal points are in a row.
+    const int point = order_[i].point;
+    if (point == a || point == b || point == c || point == d) continue;
+    if (i > 0 && at(point) == at(order_[i - 1].point)) continue;
+    addPoint(point);
   }
   collectFaces();
   return 3;
@@ -113,6 +115,21 @@ int ConvexHull::firstTetrahedron(std::array<int, 4>& corners) {
   if (plane_distance <= tolerance_) return 2;
   corners[3] = fourth;
   return 3;
+}
+
+// Points far from the middle first: a hull that is large early makes few triangles that do not last, and none between
+// points on one line, whose planes would be rounding alone.
+void ConvexHull::sortOutermostFirst() {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points_) middle += point;
+  middle /= static_cast<double>(points_.size());
+  order_.clear();
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    order_.push_back({(points_[i] - middle).squaredNorm(), static_cast<int>(i)});
+  }
+  std::sort(order_.begin(), order_.end(), [](const Ordered& a, const Ordered& b) {
+    return a.distance_squared != b.distance_squared ? a.distance_squared > b.distance_squared : a.point < b.point;
+  });
 }
 
 // A place whose plane no point sees yet; one that is free before a new one.

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
@@ -16,6 +17,8 @@ constexpr float kDepthStep_m = 0.010F;
 constexpr float kDepthStepPerSquareMetre = 0.006F;
 // Points for hulls and samples are taken from every second column and row.
 constexpr int kPointStep = 2;
+
+using Four = float __attribute__((vector_size(16)));  // sums of four things at once
 
 struct Directions {
   std::array<float, SegmentTable::kDirections> x, y, z;
@@ -36,15 +39,32 @@ Directions makeDirections() {
   return directions;
 }
 
-SACCADE_MULTIVERSION void extend(SegmentTable::Extremes& extremes, const Directions& directions, float x, float y,
-                                 float z) {
-  for (std::size_t i = 0; i < SegmentTable::kDirections; ++i) {
-    const float reach = directions.x[i] * x + directions.y[i] * y + directions.z[i] * z;
-    const bool farther = reach > extremes.reach[i];
-    extremes.reach[i] = farther ? reach : extremes.reach[i];
-    extremes.x[i] = farther ? x : extremes.x[i];
-    extremes.y[i] = farther ? y : extremes.y[i];
-    extremes.z[i] = farther ? z : extremes.z[i];
+// Takes the measured points of every second column of a run into a segment's extremes, eight directions at a time.
+SACCADE_MULTIVERSION void extend(SegmentTable::Extremes& extremes, const Directions& directions,
+                                 const cv::Vec3f* vertices, int begin_u, int end_u) {
+  for (std::size_t d = 0; d < SegmentTable::kDirections; d += kLanes) {
+    const FloatLanes x = loadLanes(&directions.x[d]), y = loadLanes(&directions.y[d]), z = loadLanes(&directions.z[d]);
+    FloatLanes reach = loadLanes(&extremes.reach[d]);
+    IntLanes farthest = IntLanes{} - 1;
+    for (int u = begin_u; u < end_u; u += kPointStep) {
+      const cv::Vec3f& p = vertices[u];
+      if (!(p[2] > 0.0F)) continue;
+      const FloatLanes own = x * p[0] + y * p[1] + z * p[2];
+      const IntLanes is_farther = own > reach;
+      farthest = is_farther ? IntLanes{} + u : farthest;
+      reach = is_farther ? own : reach;
+    }
+    if (!any(farthest >= 0)) continue;
+    storeLanes(reach, &extremes.reach[d]);
+    std::array<std::int32_t, kLanes> columns;
+    storeLanes(farthest, columns.data());
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      if (columns[i] < 0) continue;
+      const cv::Vec3f& p = vertices[columns[i]];
+      extremes.x[d + i] = p[0];
+      extremes.y[d + i] = p[1];
+      extremes.z[d + i] = p[2];
+    }
   }
 }
 
@@ -181,31 +201,20 @@ void SegmentTable::sumRun(SegmentSums& sums, int v, int begin_u, int end_u, cons
 
   const cv::Vec3f* vertices = depth->vertices[v];
   const cv::Vec3f* normals = depth->normals[v];
-  float vx = 0, vy = 0, vz = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, nx = 0, ny = 0, nz = 0;
-  int depth_count = 0, normal_count = 0;
-  for (int u = begin_u; u < end_u; ++u) {  // pixels without measurement add zeros
+  Four vertex = {}, normal = {}, scatter = {}, scatter_rest = {};  // the fourth of the first two counts
+  for (int u = begin_u; u < end_u; ++u) {                          // pixels without measurement add zeros
     const cv::Vec3f& p = vertices[u];
-    const cv::Vec3f& m = normals[u];
-    vx += p[0];
-    vy += p[1];
-    vz += p[2];
-    xx += p[0] * p[0];
-    xy += p[0] * p[1];
-    xz += p[0] * p[2];
-    yy += p[1] * p[1];
-    yz += p[1] * p[2];
-    zz += p[2] * p[2];
-    nx += m[0];
-    ny += m[1];
-    nz += m[2];
-    depth_count += p[2] > 0.0F ? 1 : 0;
-    normal_count += m[0] != 0.0F || m[1] != 0.0F || m[2] != 0.0F ? 1 : 0;
+    const cv::Vec3f& n = normals[u];
+    vertex += Four{p[0], p[1], p[2], p[2] > 0.0F ? 1.0F : 0.0F};
+    normal += Four{n[0], n[1], n[2], n[0] != 0.0F || n[1] != 0.0F || n[2] != 0.0F ? 1.0F : 0.0F};
+    scatter += Four{p[0], p[0], p[0], p[1]} * Four{p[0], p[1], p[2], p[1]};
+    scatter_rest += Four{p[1], p[2], 0.0F, 0.0F} * p[2];
   }
-  const std::array<float, 3> vertex{vx, vy, vz}, normal{nx, ny, nz};
-  const std::array<float, 6> scatter{xx, xy, xz, yy, yz, zz};
   for (std::size_t i = 0; i < 3; ++i) sums.vertex[i] += static_cast<double>(vertex[i]);
   for (std::size_t i = 0; i < 3; ++i) sums.normal[i] += static_cast<double>(normal[i]);
-  for (std::size_t i = 0; i < 6; ++i) sums.scatter[i] += static_cast<double>(scatter[i]);
+  for (std::size_t i = 0; i < 4; ++i) sums.scatter[i] += static_cast<double>(scatter[i]);
+  for (std::size_t i = 0; i < 2; ++i) sums.scatter[4 + i] += static_cast<double>(scatter_rest[i]);
+  const int depth_count = static_cast<int>(vertex[3]), normal_count = static_cast<int>(normal[3]);
   sums.depth_count += depth_count;
   sums.normal_count += normal_count;
 }
@@ -241,12 +250,16 @@ void SegmentTable::gatherPoints(const cv::Mat1i& labels, const DepthMaps& depth)
   for (int v = 0; v < labels.rows; v += kPointStep) {
     const int* row = labels[v];
     const cv::Vec3f* vertices = depth.vertices[v];
-    for (int u = 0; u < labels.cols; u += kPointStep) {
-      const cv::Vec3f& p = vertices[u];
-      if (row[u] < 0 || !(p[2] > 0.0F)) continue;
-      const auto segment = static_cast<std::size_t>(row[u]);
-      extend(extremes_[segment], directions, p[0], p[1], p[2]);
-      addSample(segment, {p[0], p[1], p[2]});
+    for (int u = 0; u < labels.cols;) {
+      const int begin = u, label = row[u];
+      while (u < labels.cols && row[u] == label) u += kPointStep;
+      if (label < 0) continue;
+      const auto segment = static_cast<std::size_t>(label);
+      extend(extremes_[segment], directions, vertices, begin, u);
+      for (int i = begin; i < u; i += kPointStep) {
+        const cv::Vec3f& p = vertices[i];
+        if (p[2] > 0.0F) addSample(segment, {p[0], p[1], p[2]});
+      }
     }
   }
 }
@@ -285,9 +298,16 @@ void SegmentTable::gatherCracks(const cv::Mat1i& labels, const cv::Mat3b& color,
   if (slots_.empty()) slots_.resize(4096);
   std::fill(slots_.begin(), slots_.end(), EdgeSlot{});
   used_slots_ = 0;
+  EdgeSlot* last = nullptr;  // cracks of one boundary mostly follow each other
+  int last_a = 0, last_b = 0;
   const auto add = [&](int a, int b, int u_a, int v_a, int u_b, int v_b) {
-    if (used_slots_ * 2 > slots_.size()) growEdgeSlots();
-    EdgeSlot& slot = edgeSlot(a, b);
+    if (last == nullptr || a != last_a || b != last_b) {
+      if (used_slots_ * 2 > slots_.size()) growEdgeSlots();
+      last = &edgeSlot(a, b);
+      last_a = a;
+      last_b = b;
+    }
+    EdgeSlot& slot = *last;
     ++slot.length;
     slot.color_step += colorStep(color(v_a, u_a), color(v_b, u_b));
     if (depth == nullptr) return;
@@ -303,6 +323,7 @@ void SegmentTable::gatherCracks(const cv::Mat1i& labels, const cv::Mat3b& color,
     if (label < 0) return;
     if (used_slots_ * 2 > slots_.size()) growEdgeSlots();
     edgeSlot(kImageBorder, label).length += cracks;
+    last = nullptr;  // the table may have moved
   };
   for (int v = 0; v < labels.rows; ++v) {
     const int* row = labels[v];

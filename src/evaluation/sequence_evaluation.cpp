@@ -71,12 +71,21 @@ RunRecording run(FrameSource& source, const std::string& name, const ExplorerCon
   const SourceDescription& description = source.description();
   Explorer explorer(config, description.camera, options.model);
   RecordingSink sink(CandidateOutliner(DistortedPixels(description.camera, description.color_camera)));
-  RgbdFrame frame;
+  RgbdFrame frame, next;
   std::int64_t done = 0;
-  for (ReadStatus status = source.read(frame); status != ReadStatus::kEnd; status = source.read(frame)) {
-    ++done;
-    if (status != ReadStatus::kFrame) continue;
-    const FrameReport report = poseOf ? explorer.processAt(frame, poseOf(frame)) : explorer.process(frame);
+  const auto readFrame = [&](RgbdFrame& into) {
+    for (ReadStatus status = source.read(into); status != ReadStatus::kEnd; status = source.read(into)) {
+      ++done;
+      if (status == ReadStatus::kFrame) return true;
+    }
+    return false;
+  };
+  bool more = readFrame(frame);
+  for (; more; std::swap(frame, next)) {
+    more = readFrame(next);
+    const RgbdFrame* ahead = more ? &next : nullptr;
+    const FrameReport report =
+        poseOf ? explorer.processAt(frame, poseOf(frame), ahead) : explorer.process(frame, ahead);
     sink.accept(frame, report);
     if (note) note(frame, report);
     if (options.on_progress) options.on_progress(name, done, description.frames);

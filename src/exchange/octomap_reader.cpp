@@ -21,12 +21,13 @@ enum class NodeFormat { kOccupancy, kColor, kIor, kBinary };
 
 NodeFormat formatOf(const OctomapHeader& header, const std::filesystem::path& path) {
   const std::string& type = header.tree_type;
-  if (header.binary && type == "OcTree") return NodeFormat::kBinary;
+  if (header.binary && (type == "OcTree" || type == "ColorOcTree")) return NodeFormat::kBinary;  // no colour in either
   if (!header.binary && type == "OcTree") return NodeFormat::kOccupancy;
   if (!header.binary && type == "ColorOcTree") return NodeFormat::kColor;
   if (!header.binary && type == "IorOcTree") return NodeFormat::kIor;
-  throw IoError(path, header.binary ? "a tree of type OcTree" : "a tree of type OcTree, ColorOcTree or IorOcTree",
-                "type \"" + type.substr(0, 64) + "\"");
+  throw IoError(
+      path, header.binary ? "a tree of type OcTree or ColorOcTree" : "a tree of type OcTree, ColorOcTree or IorOcTree",
+      "type \"" + type.substr(0, 64) + "\"");
 }
 
 /// A node whose children are still to be read, in the order of their numbers.

@@ -7,6 +7,7 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_group.h>
 
+#include "pipeline/frame_looks.hpp"
 #include "pipeline/stage_clock.hpp"
 #include "saccade/discovery/candidate_mask.hpp"
 #include "saccade/rendering/back_project.hpp"
@@ -37,8 +38,7 @@ struct Explorer::Stages {
   Stages(const ExplorerConfig& c, const PinholeCamera& camera_, const std::optional<RankerModel>& model)
       : config(c),
         camera(camera_),
-        preparation(c.depth),
-        perceiver(c.discovery.perception),
+        looks(c, camera_),
         ranker(model ? Ranker(c.discovery.ranking, *model) : Ranker(c.discovery.ranking)),
         map(c.map),
         surface(c.surface),
@@ -52,8 +52,7 @@ struct Explorer::Stages {
 
   ExplorerConfig config;
   PinholeCamera camera;
-  DepthPreparation preparation;
-  Perceiver perceiver;
+  FrameLooks looks;
   Ranker ranker;
   IorMap map;
   SurfaceVolume surface;
@@ -67,21 +66,21 @@ struct Explorer::Stages {
   BackProjector projector;
   AttendLog log;
 
-  DepthMaps depth;
   ModelView model;
-  Perception seen;
   std::vector<LeafKey> forgotten;  ///< leaves that this frame's integration freed
 
-  [[nodiscard]] std::vector<StageTime> perceptionTimes() const;
-  Tracking track(double stamp_s, StageClock& clock);
-  void relocalise(const RgbdFrame& frame, FrameReport& report, StageClock& clock);
+  Tracking track(const DepthMaps& depth, double stamp_s, StageClock& clock);
+  void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
   void remember(std::shared_ptr<const Keyframe> keyframe);
-  const IorView* mapFrame(const RgbdFrame& frame, const Tracking& tracking, StageClock& clock);
-  [[nodiscard]] bool becomesKeyframe(const Tracking& tracking) const;
+  const IorView* mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking, StageClock& clock);
+  [[nodiscard]] const FrameLook& lookAtDepth(const RgbdFrame& frame);
+  FrameLook& lookAndMap(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed,
+                        FrameReport& report, StageClock& clock);
+  [[nodiscard]] bool becomesKeyframe(const FrameLook& look, const Tracking& tracking) const;
   void attend(FrameReport& report);
 };
 
-Tracking Explorer::Stages::track(double stamp_s, StageClock& clock) {
+Tracking Explorer::Stages::track(const DepthMaps& depth, double stamp_s, StageClock& clock) {
   if (depth.depth_m.empty()) return {};  // colour alone cannot be tracked: lost
   const Pose prediction = motion.predict(stamp_s);
   if (surface.empty()) {  // the first frame: W is its camera
@@ -95,7 +94,8 @@ Tracking Explorer::Stages::track(double stamp_s, StageClock& clock) {
 }
 
 /// Looks for a lost camera among the keyframes. If the surface verifies a place, tracking goes on from there.
-void Explorer::Stages::relocalise(const RgbdFrame& frame, FrameReport& report, StageClock& clock) {
+void Explorer::Stages::relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report,
+                                  StageClock& clock) {
   if (report.tracking.status != TrackingStatus::kLost || depth.depth_m.empty() || keyframes.all().empty()) return;
   const auto place =
       clock.time("relocalise", [&] { return relocaliser.find(extractor.extract(frame.color, depth), depth, surface); });
@@ -110,7 +110,8 @@ void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
 }
 
 /// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost.
-const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const Tracking& tracking, StageClock& clock) {
+const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking,
+                                          StageClock& clock) {
   if (tracking.status == TrackingStatus::kLost) return nullptr;
   motion.observe(frame.stamp_s, tracking.T_WC);
   if (tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty()) {
@@ -120,8 +121,8 @@ const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const Tracking
   return clock.time("2D IOR map", [&] { return &renderer.renderIor(map.view(), camera, tracking.T_WC); });
 }
 
-bool Explorer::Stages::becomesKeyframe(const Tracking& tracking) const {
-  return tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty() && keyframes.wants(tracking.T_WC);
+bool Explorer::Stages::becomesKeyframe(const FrameLook& look, const Tracking& tracking) const {
+  return tracking.status == TrackingStatus::kTracked && look.has_depth && keyframes.wants(tracking.T_WC);
 }
 
 /// Attends the leaves that the masks of the best candidates show, which closes the tick (paper, "3D IOR map update").
@@ -132,7 +133,7 @@ void Explorer::Stages::attend(FrameReport& report) {
   std::vector<LeafKey> together;
   for (std::size_t rank = 0; rank < report.attended; ++rank) {
     projector.begin(*report.ior);
-    forEachMaskRun(report.open[rank], seen,
+    forEachMaskRun(report.open[rank], *report.seen,
                    [&](int v, int begin_u, int end_u) { projector.addRun(v, begin_u, end_u); });
     leaves[rank] = projector.keys();
     report.revisited_share.push_back(log.revisitedShare(leaves[rank], closing));
@@ -142,15 +143,6 @@ void Explorer::Stages::attend(FrameReport& report) {
   AttentionReport attention = map.attend(together);
   log.record({closing, report.index, std::move(attention.flags_on), std::move(forgotten)}, logged);
   forgotten.clear();
-}
-
-std::vector<StageTime> Explorer::Stages::perceptionTimes() const {
-  const Perceiver::Times& times = perceiver.times();
-  return {{"saliency", times.saliency_ms},
-          {"salient blobs", times.blobs_ms},
-          {"colour segments", times.color_ms},
-          {"surface segments", times.surface_ms},
-          {"segment tables", times.tables_ms}};
 }
 
 Explorer::Explorer(const ExplorerConfig& config, const PinholeCamera& camera, const std::optional<RankerModel>& model)
@@ -169,14 +161,19 @@ void Explorer::restore(ExplorerMemory memory) {
 }
 
 std::optional<VerifiedPlace> Explorer::findPlace(const RgbdFrame& frame) {
-  if (!prepare(frame)) return std::nullopt;
+  requireImages(frame);
   Stages& s = *stages_;
-  return s.relocaliser.find(s.extractor.extract(frame.color, s.depth), s.depth, s.surface);
+  const FrameLook& look = s.lookAtDepth(frame);
+  if (!look.has_depth) return std::nullopt;
+  return s.relocaliser.find(s.extractor.extract(frame.color, look.depth), look.depth, s.surface);
 }
 
 std::optional<VerifiedPlace> Explorer::verifyPlace(const RgbdFrame& frame, const Pose& guess) {
-  if (!prepare(frame)) return std::nullopt;
-  return stages_->verifier.verify(stages_->depth, stages_->surface, guess);
+  requireImages(frame);
+  Stages& s = *stages_;
+  const FrameLook& look = s.lookAtDepth(frame);
+  if (!look.has_depth) return std::nullopt;
+  return s.verifier.verify(look.depth, s.surface, guess);
 }
 
 void Explorer::placeAt(double stamp_s, const Pose& T_WC) {
@@ -212,15 +209,21 @@ const PinholeCamera& Explorer::camera() const {
   return stages_->camera;
 }
 
-FrameReport Explorer::process(const RgbdFrame& frame) {
-  return processFrame(frame, std::nullopt);
+FrameReport Explorer::process(const RgbdFrame& frame, const RgbdFrame* next) {
+  return processFrame(frame, next, std::nullopt);
 }
 
-FrameReport Explorer::processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC) {
+FrameReport Explorer::processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC, const RgbdFrame* next) {
   Tracking believed;
   believed.status = T_WC ? TrackingStatus::kTracked : TrackingStatus::kLost;
   if (T_WC) believed.T_WC = *T_WC;
-  return processFrame(frame, believed);
+  return processFrame(frame, next, believed);
+}
+
+/// Whether the frame has a colour image of the camera's size, and no depth image or one of the same size.
+bool Explorer::hasCameraSize(const RgbdFrame& frame) const {
+  const cv::Size expected(camera().width, camera().height);
+  return frame.color.size() == expected && (frame.depth_m.empty() || frame.depth_m.size() == expected);
 }
 
 /// Throws unless the frame has a colour image of the camera's size, and no depth image or one of the same size.
@@ -239,49 +242,64 @@ void Explorer::requireImages(const RgbdFrame& frame) const {
   }
 }
 
-/// Fills the depth maps; false, and they are empty, for a frame of colour alone.
-bool Explorer::prepare(const RgbdFrame& frame) {
-  requireImages(frame);
-  Stages& s = *stages_;
-  s.depth.depth_m.resize(0);
-  if (frame.depth_m.empty()) return false;
-  s.preparation.prepare(frame.depth_m, s.camera, s.depth);
-  return true;
+/// A look with the frame's depth maps at least.
+const FrameLook& Explorer::Stages::lookAtDepth(const RgbdFrame& frame) {
+  const FrameLook* ahead = looks.takeAhead(frame);
+  return ahead != nullptr ? *ahead : looks.prepare(frame);
 }
 
-/// Figure 1 of the paper. The attention branch needs only the frame and runs beside the map branch.
-FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<Tracking>& believed) {
+/// Looks at the frame, or takes the look begun ahead, and tracks and maps. The attention branch needs only the frame:
+/// it runs beside the map branch of the same frame, or of the one before.
+FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame* next,
+                                        const std::optional<Tracking>& believed, FrameReport& report,
+                                        StageClock& clock) {
+  FrameLook* ahead = clock.time("wait for perception", [&] { return looks.takeAhead(frame); });
+  FrameLook& look = ahead != nullptr ? *ahead : looks.prepare(frame);
+  const auto map_branch = [&] {
+    report.tracking = believed ? *believed : track(look.depth, frame.stamp_s, clock);
+    if (!believed) relocalise(frame, look.depth, report, clock);
+    report.ior = mapFrame(frame, look.depth, report.tracking, clock);
+    if (report.relocalised) motion.rest();  // the jump was no motion
+  };
+  if (ahead != nullptr) {
+    if (next != nullptr) looks.beginAhead(*next);
+    map_branch();
+  } else {
+    tbb::parallel_invoke([&] { looks.perceive(frame, look); }, map_branch);
+    if (next != nullptr) looks.beginAhead(*next);
+  }
+  return look;
+}
+
+/// Figure 1 of the paper.
+FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next,
+                                   const std::optional<Tracking>& believed) {
   Stages& s = *stages_;
+  requireImages(frame);
+  if (next != nullptr && !hasCameraSize(*next)) next = nullptr;  // its own call says what is wrong
   FrameReport report;
   report.index = frame.index;
   report.name = frame.name;
   report.stamp_s = frame.stamp_s;
   StageClock clock;
 
-  const bool has_depth = clock.time("prepare depth", [&] { return prepare(frame); });
-  tbb::parallel_invoke([&] { s.perceiver.perceive(frame.color, has_depth ? &s.depth : nullptr, s.seen); },
-                       [&] {
-                         report.tracking = believed ? *believed : s.track(frame.stamp_s, clock);
-                         if (!believed) s.relocalise(frame, report, clock);
-                         report.ior = s.mapFrame(frame, report.tracking, clock);
-                         if (report.relocalised) s.motion.rest();  // the jump was no motion
-                       });
-  report.seen = &s.seen;
-  report.depth = has_depth ? &s.depth : nullptr;
+  const FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
+  report.seen = &look.seen;
+  report.depth = look.has_depth ? &look.depth : nullptr;
 
   tbb::task_group remembering;  // a keyframe's features: beside the ranking, which needs one thread
-  if (s.becomesKeyframe(report.tracking)) {
+  if (s.becomesKeyframe(look, report.tracking)) {
     remembering.run([&] {
       report.keyframe = std::make_shared<const Keyframe>(
-          Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, s.depth)});
+          Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, look.depth)});
     });
   }
-  Candidates pool = clock.time("propose", [&] { return proposeCandidates(s.seen, s.config.discovery.proposal); });
+  Candidates pool = clock.time("propose", [&] { return proposeCandidates(look.seen, s.config.discovery.proposal); });
   const cv::Mat1b inhibited_pixels = report.ior != nullptr ? report.ior->inhibited : cv::Mat1b();
   InhibitionSplit split = clock.time("inhibit", [&] {
-    return withoutInhibited(std::move(pool), s.seen, inhibited_pixels, s.config.discovery.inhibition);
+    return withoutInhibited(std::move(pool), look.seen, inhibited_pixels, s.config.discovery.inhibition);
   });
-  report.open = clock.time("rank", [&] { return s.ranker.rank(std::move(split.open), s.seen); });
+  report.open = clock.time("rank", [&] { return s.ranker.rank(std::move(split.open), look.seen); });
   report.attended = std::min(report.open.size(), static_cast<std::size_t>(s.config.discovery.ranking.top_k));
   report.inhibited = std::move(split.inhibited);
 
@@ -289,7 +307,7 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
   remembering.wait();
   if (report.keyframe) s.remember(report.keyframe);
   report.tick = s.map.now();
-  report.stages = s.perceptionTimes();
+  report.stages = look.times;
   report.stages.insert(report.stages.end(), clock.stages().begin(), clock.stages().end());
   report.total_ms = clock.total_ms();
   return report;

@@ -27,8 +27,9 @@ struct ExplorerMemory {
 /// best of the rest (paper, figure 1).
 ///
 /// Owns the map with its attention memory, the surface volume and all stages. Leaves reading frames to sources and
-/// keeping results to sinks. One frame at a time; inside a frame the attention branch runs beside the map branch when
-/// TBB has a second thread. Same frames, same config: same results, at any number of threads.
+/// keeping results to sinks. One frame at a time; when TBB has a second thread the attention branch runs beside the map
+/// branch of the same frame or, where the caller hands in the next frame too, of the one before. Same frames, same
+/// config: same results, at any number of threads.
 class Explorer {
  public:
   /// `camera`: of all frames to come. `model` ranks instead of the built-in one. Throws std::invalid_argument if a
@@ -42,9 +43,13 @@ class Explorer {
   /// Processes one frame, finding its pose by tracking. The report's views are good until the next call. A lost frame
   /// edits nothing and no tick passes; a weakly tracked one attends but is not integrated. Throws
   /// std::invalid_argument if the frame's images do not have the camera's size.
-  FrameReport process(const RgbdFrame& frame);
+  ///
+  /// `next`, if the caller has it already, is the frame of the call that follows: it is perceived while this one is
+  /// mapped and ranked, which keeps two threads busy all the time. Its images must not change until then; if another
+  /// frame follows after all, the work was in vain and nothing else. The results are the same with it and without.
+  FrameReport process(const RgbdFrame& frame, const RgbdFrame* next = nullptr);
   /// The same with a pose that is believed instead of tracking; none: the frame counts as lost.
-  FrameReport processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC);
+  FrameReport processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC, const RgbdFrame* next = nullptr);
 
   /// Goes on from `memory` instead of from nothing.
   void restore(ExplorerMemory memory);
@@ -69,9 +74,9 @@ class Explorer {
  private:
   struct Stages;
 
+  [[nodiscard]] bool hasCameraSize(const RgbdFrame& frame) const;
   void requireImages(const RgbdFrame& frame) const;
-  bool prepare(const RgbdFrame& frame);
-  FrameReport processFrame(const RgbdFrame& frame, const std::optional<Tracking>& believed);
+  FrameReport processFrame(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed);
 
   std::unique_ptr<Stages> stages_;
 };

@@ -13,7 +13,7 @@
 namespace saccade {
 namespace {
 
-// Points are floats of the order of 1 m; the hull's own tolerance is 1e-6 of that, and it may add up over two steps.
+// Points are floats of the order of 1 m; the hull's own tolerance is 5e-7 of that, and it may add up over two steps.
 constexpr double kOutside_m = 1e-5;
 // Promised by ConvexityMeasure for hulls of up to a metre: it works with floats about the hull.
 constexpr double kDistance_m = 1e-6;
