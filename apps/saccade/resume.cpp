@@ -149,6 +149,19 @@ void requireCamera(const SessionReader& session, const PinholeCamera& found) {
   throw IoError(session.path(), "an input of the session's camera (" + text(expected) + ")", text(found));
 }
 
+FrameOrdinal nextOrdinal(const SessionReader& session) {
+  const std::vector<FrameRecord> frames = session.frames();
+  return {frames.empty() ? 0 : frames.back().ordinal.value + 1};
+}
+
+/// Opens the session for writing, which touches its file, only now that its place is certain. `next`: the ordinal that
+/// came next when it was loaded; the session must not have grown since.
+std::unique_ptr<SessionWriter> openUnchanged(const std::string& path, FrameOrdinal next) {
+  std::unique_ptr<SessionWriter> writer = SessionWriter::open(path);
+  if (writer->nextOrdinal() == next) return writer;
+  throw IoError(path, "the session as it was when the search for a place began", "one that was written meanwhile");
+}
+
 RgbdFrame copyOf(const RgbdFrame& frame) {
   RgbdFrame copy = frame;
   copy.color = frame.color.clone();
@@ -179,13 +192,13 @@ void run(const Options& options) {
     throw IoError(apart, "no file yet where the new part is kept if it finds no place (--apart names another)",
                   "one that exists");
   }
-  std::unique_ptr<SessionWriter> writer = SessionWriter::open(options.session);  // no other writer from here on
   auto session = std::make_unique<SessionReader>(options.session);
   const FrameRange range = options.range.empty() ? FrameRange{} : FrameRange::parse(options.range);
   Frames frames(options.input, range);
   requireCamera(*session, frames.description().camera);
   const ExplorerConfig config = loadConfig(*session);
   const SessionMetadata before = session->metadata();
+  const FrameOrdinal next = nextOrdinal(*session);
   auto explorer = std::make_unique<Explorer>(config, frames.description().camera);
   explorer->restore(loadMemory(*session));
   session.reset();  // a reader that stays would keep the session in two files
@@ -211,14 +224,14 @@ void run(const Options& options) {
 
   if (placement.state() == PlacementState::kVerified) {
     std::cerr << fmt::format("{} frames before the place was verified are dropped\n", offered - 1);
-    auto sink = makeSink(options, std::move(writer), *explorer, frames.description(), range.step, &before);
+    auto sink =
+        makeSink(options, openUnchanged(options.session, next), *explorer, frames.description(), range.step, &before);
     waiting.erase(waiting.begin(), waiting.end() - 1);
     explore(options, *explorer, std::move(sink), std::move(waiting), frames, counts);
     storeObjects(options.session);
     std::cerr << "resumed: " << absolute(options.session) << "\n";
     return;
   }
-  writer.reset();
   if (offered == 0) throw IoError(options.input, "at least one usable frame", "none");
   const std::string reason =
       fmt::format("no place in {} was found for the first {} frames of {}", options.session, offered, options.input);

@@ -71,7 +71,7 @@ TEST(Resume, LeavesTheSessionAsItIsAndKeepsTheNewPartApartIfItFindsNoPlace) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_TRUE(says(run, "no place in")) << run.talk;
   EXPECT_TRUE(says(run, "desk-apart.saccade")) << run.talk;
-  EXPECT_EQ(readFile(folder / "desk.saccade"), before);
+  EXPECT_TRUE(readFile(folder / "desk.saccade") == before);
   EXPECT_EQ(SessionReader(folder / "desk-apart.saccade").frames().size(), 6U);
 
   const ProgramRun again = runSaccade({"resume", folder / "desk.saccade", "sim:coffee", "--range", ":6"});
