@@ -2,7 +2,7 @@
 # Builds Saccade and runs its tests; installs what a bare Debian 12 lacks.
 #   tests/run.sh              unit and system tests
 #   tests/run.sh --sanitize   the same again under address and undefined-behaviour sanitizers
-#   tests/run.sh --slow       also the long sequences, and the sanitizers
+#   tests/run.sh --slow       also the long sequences, the sanitizers, and a minute of each fuzzer
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=${SACCADE_BUILD_DIR:-$root/build}
@@ -22,6 +22,19 @@ if [ $sanitize = yes ]; then
     -DSACCADE_SANITIZE=address,undefined
   (cd "$build-sanitize" && ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
     ctest --output-on-failure --parallel "$(nproc)" --label-exclude slow)
+fi
+if [ $slow = yes ]; then
+  "$root/apps/install-packages.sh" clang
+  CC=clang CXX=clang++ "$root/apps/build.sh" "$build-fuzz" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSACCADE_BUILD_TESTS=OFF \
+    -DSACCADE_BUILD_FUZZERS=ON -DSACCADE_SANITIZE=address,undefined
+  for target in candidate_lines config dataset_lists session; do
+    seeds=$root/tests/fuzz/corpus/$target
+    [ $target = session ] && seeds=$root/maps
+    found=$build-fuzz/found/$target
+    mkdir -p "$found"
+    "$build-fuzz/tests/fuzz/${target}_fuzzer" -max_total_time=60 -timeout=20 -rss_limit_mb=2048 -max_len=4194304 \
+      -artifact_prefix="$found/" "$found" "$seeds"
+  done
 fi
 cd "$build"
 [ $slow = yes ] && exec ctest --output-on-failure --parallel "$(nproc)"

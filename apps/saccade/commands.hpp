@@ -6,12 +6,15 @@
 namespace saccade::app {
 
 void addExplore(CLI::App& program);
+void addResume(CLI::App& program);
 void addInspect(CLI::App& program);
 void addRender(CLI::App& program);
 void addSaliency(CLI::App& program);
 void addSimulate(CLI::App& program);
 void addEvaluate(CLI::App& program);
+void addRepair(CLI::App& program);
 void addTrain(CLI::App& program);
+void addVerify(CLI::App& program);
 void addExport(CLI::App& program);
 void addImport(CLI::App& program);
 void addForget(CLI::App& program);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
+#include "evaluate_relocalisation.hpp"
 #include "saccade/core/config_file.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/evaluation/discovery_evaluation.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> inputs;
-  std::string frames, labels, truth, poses, range, config, model, output, masks;
+  std::string frames, relocalisation, labels, truth, poses, range, config, model, output, masks;
   std::vector<std::string> settings, vary;
   int k = 20, every = 1;
   bool json = false, paper = false, print_config = false, no_depth = false;
@@ -191,6 +192,11 @@ void run(const Options& options) {
     std::cout << printConfig(describing(config), true);
     return;
   }
+  if (!options.relocalisation.empty()) {
+    if (options.inputs.size() != 1) throw std::invalid_argument("evaluate: --relocalisation expects one INPUT");
+    evaluateRelocalisation(options.relocalisation, options.inputs.front(), options.range, options.truth, options.json);
+    return;
+  }
   if (options.inputs.empty() == options.frames.empty()) {
     throw std::invalid_argument("evaluate: expected either INPUTs or --frames DIR; see saccade evaluate --help");
   }
@@ -215,6 +221,9 @@ void addEvaluate(CLI::App& program) {
                       "sequences to run (as for explore), or records of earlier runs: sessions (*.saccade), candidate "
                       "files (*.jsonl); of several the means are given");
   command->add_option("--frames", options->frames, "instead: single labelled frames, color/ depth/ label/ camera.txt");
+  command->add_option("--relocalisation", options->relocalisation,
+                      "instead: look for each frame of INPUT in this session; --truth has the true poses of both, "
+                      "without it INPUT shows another place");
   command->add_option("--gt", options->labels, "folder of label images NAME.png for all or some frames");
   command->add_option("--gt-every", options->every, "use only each Nth label and propagate it to the frames between")
       ->check(CLI::Range(1, 1000000));

@@ -18,6 +18,8 @@
 #include "saccade/pipeline/candidate_sink.hpp"
 #include "saccade/pipeline/explorer.hpp"
 #include "saccade/pipeline/trajectory_sink.hpp"
+#include "saccade/session/session_map.hpp"
+#include "saccade/session/session_reader.hpp"
 #include "saccade/session/session_sink.hpp"
 #include "saccade/sources/frame_source.hpp"
 #include "saccade/sources/given_poses.hpp"
@@ -31,15 +33,25 @@ namespace {
 
 struct Options {
   std::string input;
-  std::string session, trajectory, candidates, video, frames_folder;
+  std::string session, continued, trajectory, candidates, video, frames_folder;
   bool force = false;
   std::string range, poses, config, model;
   std::vector<std::string> settings;
   bool print_config = false, no_ior = false, paper = false;
   int threads = 0;
+  double checkpoint_interval_s = kCheckpointInterval_s;
 };
 
-ExplorerConfig effectiveConfig(const Options& options) {
+/// The session that is gone on with: its file, kept from other writers, and what is in it.
+struct ContinuedSession {
+  explicit ContinuedSession(const std::string& path) : writer(SessionWriter::open(path)), reader(path) {}
+
+  std::unique_ptr<SessionWriter> writer;
+  SessionReader reader;
+};
+
+ExplorerConfig effectiveConfig(const Options& options, const std::optional<ContinuedSession>& continued) {
+  if (continued) return loadConfig(continued->reader);
   ExplorerConfig config;
   if (options.paper) config.usePaperOnly();
   if (!options.config.empty()) applyConfigFile(options.config, describing(config));
@@ -130,8 +142,9 @@ std::string progressText(const FrameReport& report, double frames_per_second) {
 }
 
 /// The sinks that the options ask for. `session` is set if there is one among them.
-std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, const Explorer& explorer,
-                                                  const SourceDescription& description, SessionSink*& session) {
+std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, Explorer& explorer,
+                                                  const SourceDescription& description, std::int64_t range_step,
+                                                  std::optional<ContinuedSession>& continued, SessionSink*& session) {
   const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_camera));
   std::vector<std::unique_ptr<FrameSink>> sinks;
   if (!options.session.empty()) {
@@ -141,7 +154,12 @@ std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, const 
     run.input_kind = description.kind;
     run.started_utc = utcNow();
     run.saccade_version = kVersion;
-    auto sink = std::make_unique<SessionSink>(options.session, when_exists, explorer, outliner, std::move(run));
+    auto writer =
+        continued ? std::move(continued->writer) : std::make_unique<SessionWriter>(options.session, when_exists);
+    auto sink = std::make_unique<SessionSink>(std::move(writer), explorer, outliner, run,
+                                              continued ? &continued->reader.metadata() : nullptr,
+                                              options.checkpoint_interval_s);
+    sink->noteRangeStep(range_step);
     session = sink.get();
     sinks.push_back(std::move(sink));
   }
@@ -184,15 +202,45 @@ void readFrame(FrameSource& source, Reading& reading) {
   reading.has_frame = status == ReadStatus::kFrame;
 }
 
-void run(const Options& options) {
-  const ExplorerConfig config = effectiveConfig(options);
+/// The frames of the input that were asked for; of a session that is gone on with, those behind its last one.
+FrameRange effectiveRange(const Options& options, const std::optional<ContinuedSession>& continued) {
+  if (!options.range.empty()) return FrameRange::parse(options.range);
+  FrameRange range;
+  if (!continued) return range;
+  const std::vector<FrameRecord> frames = continued->reader.frames();
+  range.step = continued->reader.metadata().range_step;
+  if (!frames.empty()) range.first = frames.back().index.value + range.step;
+  std::cerr << "going on at frame " << range.first << "\n";
+  return range;
+}
+
+void goOn(const ContinuedSession& continued, Explorer& explorer) {
+  const PinholeCamera& expected = continued.reader.metadata().camera;
+  const PinholeCamera& found = explorer.camera();
+  const auto text = [](const PinholeCamera& c) {
+    return fmt::format("{} x {} px, f {:.3f} {:.3f}, c {:.3f} {:.3f}", c.width, c.height, c.fx, c.fy, c.cx, c.cy);
+  };
+  if (!(expected == found)) {
+    throw IoError(continued.reader.path(), "an input of the session's camera (" + text(expected) + ")", text(found));
+  }
+  explorer.restore(loadMemory(continued.reader));
+}
+
+void run(Options options) {
+  std::optional<ContinuedSession> continued;
+  if (!options.continued.empty()) {
+    continued.emplace(options.continued);
+    options.session = options.continued;
+    if (options.input.empty()) options.input = continued->reader.metadata().input;
+  }
+  const ExplorerConfig config = effectiveConfig(options, continued);
   if (options.print_config) {
     ExplorerConfig printed = config;
     std::cout << printConfig(describing(printed), true);
     return;
   }
   if (options.input.empty()) throw std::invalid_argument("explore: expected an INPUT; see saccade explore --help");
-  refuseExisting(options);
+  if (!continued) refuseExisting(options);
   std::optional<tbb::global_control> threads;
   if (options.threads > 0) {
     threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
@@ -200,7 +248,8 @@ void run(const Options& options) {
 
   std::optional<GivenPoses> poses;
   if (!options.poses.empty()) poses = GivenPoses::open(options.poses);
-  ReadAhead source(openSource(options.input, options.range.empty() ? FrameRange{} : FrameRange::parse(options.range)));
+  const FrameRange range = effectiveRange(options, continued);
+  ReadAhead source(openSource(options.input, range));
   const SourceDescription& description = source.description();
   sayWhatWasUnderstood(description);
   if (poses && poses->fromDataset() && !description.has_poses) {
@@ -210,8 +259,10 @@ void run(const Options& options) {
   std::optional<RankerModel> model;
   if (!options.model.empty()) model = RankerModel::load(options.model);
   Explorer explorer(config, description.camera, model);
+  if (continued) goOn(*continued, explorer);
   SessionSink* session = nullptr;
-  const auto sinks = makeSinks(options, explorer, description, session);
+  const auto sinks = makeSinks(options, explorer, description, range.step, continued, session);
+  continued.reset();  // a reader that stays would keep the session in two files
 
   catchInterrupts();
   RunTotals totals;
@@ -257,22 +308,32 @@ void addExplore(CLI::App& program) {
   command->add_option(
       "INPUT", options->input,
       "a 7-Scenes, TUM or labelled-frames folder (the kind is detected), or sim:SCENE, as saccade simulate makes");
-  command->add_option("-o,--output", options->session, "the session to write (*.saccade)");
-  command->add_flag("--force", options->force, "replace a session that exists");
+  CLI::Option* output = command->add_option("-o,--output", options->session, "the session to write (*.saccade)");
+  CLI::Option* force = command->add_flag("--force", options->force, "replace a session that exists");
+  CLI::Option* go_on = command->add_option(
+      "--continue", options->continued,
+      "go on with this session as if it had never stopped, from the frame after its last one unless --range is given");
+  command
+      ->add_option("--checkpoint-interval", options->checkpoint_interval_s,
+                   "seconds between two checkpoints of the session: what a crash can cost at most")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
   command->add_option("--trajectory", options->trajectory, "write the poses in TUM format");
   command->add_option("--candidates", options->candidates, "write the candidates, one JSON line a frame");
   command->add_option("--video", options->video, "write a video (.mp4) of candidates, saliency, segments, 2D IOR map");
   command->add_option("--frames-dir", options->frames_folder, "write the same pictures as PNG files to a folder");
   command->add_option("--range", options->range, "frames A:B:STEP of the input, B excluded");
   command->add_option("--poses", options->poses, "believe these poses instead of tracking: \"dataset\" or a TUM file");
-  command->add_option("--config", options->config, "YAML file with settings, see --print-config");
-  command->add_option("--set", options->settings, "one setting, for example inhibition.theta=0.4; may be repeated")
-      ->expected(1)
-      ->take_all();
+  CLI::Option* config = command->add_option("--config", options->config, "YAML file with settings, see --print-config");
+  CLI::Option* set =
+      command->add_option("--set", options->settings, "one setting, for example inhibition.theta=0.4; may be repeated")
+          ->expected(1)
+          ->take_all();
   command->add_option("--model", options->model, "ranking model written by saccade train, instead of the built-in one");
   command->add_flag("--print-config", options->print_config, "print the effective settings with their help and stop");
-  command->add_flag("--no-ior", options->no_ior, "attend and log, but inhibit nothing");
-  command->add_flag("--paper", options->paper, "the paper's method and nothing beyond it");
+  CLI::Option* no_ior = command->add_flag("--no-ior", options->no_ior, "attend and log, but inhibit nothing");
+  CLI::Option* paper = command->add_flag("--paper", options->paper, "the paper's method and nothing beyond it");
+  for (CLI::Option* fixed_by_session : {output, force, config, set, no_ior, paper}) go_on->excludes(fixed_by_session);
   command->add_option("--threads", options->threads, "threads to use (0: all)")->check(CLI::Range(0, 1024));
   command->callback([options] { run(*options); });
 }

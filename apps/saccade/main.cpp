@@ -27,11 +27,14 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   program.get_formatter()->column_width(34);
   saccade::app::addExplore(program);
+  saccade::app::addResume(program);
   saccade::app::addInspect(program);
   saccade::app::addRender(program);
   saccade::app::addSaliency(program);
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
+  saccade::app::addVerify(program);
+  saccade::app::addRepair(program);
   saccade::app::addTrain(program);
   saccade::app::addExport(program);
   saccade::app::addImport(program);

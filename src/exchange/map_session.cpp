@@ -12,7 +12,7 @@ void writeMapSession(const IorMap& map, ExplorerConfig config, const MapOrigin& 
   SessionWriter writer(path, when_exists);
   writer.addRun({0, {}, origin.input, origin.input_kind, origin.created_utc, kVersion});
   for (const NodeKey& root : listTiles(map)) {
-    writer.addBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(map, root))});
+    writer.putBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(map, root))});
   }
   SessionMetadata metadata;
   metadata.saccade_version = kVersion;

@@ -109,13 +109,13 @@ SessionMergeReport mergeSessions(const SessionReader& a, const SessionReader& b,
   for (const Part& part : parts) appendFrames(part, writer, report);
 
   for (const NodeKey& root : listTiles(merged)) {
-    writer.addBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(merged, root))});
+    writer.putBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(merged, root))});
   }
   for (std::size_t i = 0; i < surface.bricks().size(); ++i) {
-    writer.addBlob(BlobTable::kBricks, {brickKey(surface.bricks()[i]), 1, bytesOf(surface.brick(i))});
+    writer.putBlob(BlobTable::kBricks, {brickKey(surface.bricks()[i]), 1, bytesOf(surface.brick(i))});
   }
   for (std::size_t i = 0; i < log.tickCount(); ++i) {
-    writer.addBlob(BlobTable::kAttendLog, {log.tick(i).tick.value, log.candidateCount(i), encodeTick(log, i)});
+    writer.putBlob(BlobTable::kAttendLog, {log.tick(i).tick.value, log.candidateCount(i), encodeTick(log, i)});
   }
   SessionMetadata metadata = a.metadata();
   metadata.saccade_version = kVersion;

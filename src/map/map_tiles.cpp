@@ -50,12 +50,14 @@ class TileWriter {
  public:
   explicit TileWriter(std::vector<std::byte>& out) : out_(out), size_(out.size()) {}
 
-  void writeRoot(MapNode root) {
+  /// The number of leaves written.
+  std::size_t writeRoot(MapNode root) {
     put(kVersion);
     const Kind kind = !root.isLeaf() ? kInner : hasPayload(root) ? kLeafWithPayload : kPlainLeaf;
     put(kind);
     kind == kInner ? writeInner(root) : writeLeaf(root, kind == kLeafWithPayload);
     out_.resize(size_);
+    return leaves_;
   }
 
  private:
@@ -66,6 +68,7 @@ class TileWriter {
     size_ += sizeof(T);
   }
   void writeLeaf(MapNode leaf, bool payload) {
+    ++leaves_;
     put(leaf.logOdds());
     if (!payload) return;
     put(leaf.ior().bits());
@@ -94,6 +97,7 @@ class TileWriter {
 
   std::vector<std::byte>& out_;
   std::size_t size_;  // what is written; out_ is longer meanwhile
+  std::size_t leaves_ = 0;
 };
 
 /// Reads one tile; with a null tree it only checks.
@@ -101,7 +105,8 @@ class TileReader {
  public:
   TileReader(const MapTile& tile, const std::filesystem::path& source) : tile_(tile), source_(source) {}
 
-  void read(IorOcTree* tree, IorOcTreeNode* node) {
+  /// The number of leaves read.
+  std::size_t read(IorOcTree* tree, IorOcTreeNode* node) {
     position_ = 0;
     const auto version = take<std::uint8_t>();
     if (version != kVersion) fail("version " + std::to_string(kVersion), "version " + std::to_string(version));
@@ -111,6 +116,7 @@ class TileReader {
     if (position_ != tile_.data.size()) {
       fail("the end after " + std::to_string(position_) + " bytes", std::to_string(tile_.data.size()) + " bytes");
     }
+    return leaves_;
   }
 
  private:
@@ -132,6 +138,7 @@ class TileReader {
     if (!std::isfinite(log_odds) || log_odds == 0.0f) fail("log-odds of a known leaf", std::to_string(log_odds));
     const IorState ior = payload ? IorState::fromBits(take<std::uint32_t>()) : IorState{};
     const LeafSurface surface = payload ? take<LeafSurface>() : LeafSurface{};
+    ++leaves_;
     if (leaf == nullptr) return;
     leaf->setLogOdds(log_odds);
     leaf->setIor(ior);
@@ -156,6 +163,7 @@ class TileReader {
   const MapTile& tile_;
   const std::filesystem::path& source_;
   std::size_t position_ = 0;
+  std::size_t leaves_ = 0;
 };
 
 void collectTiles(MapNode node, const NodeKey& key, int depth, std::vector<NodeKey>& tiles) {
@@ -225,8 +233,8 @@ std::vector<TileChange> takeTileChanges(IorMap& map, int depth) {
   return tiles;
 }
 
-void appendTile(MapNode node, std::vector<std::byte>& out) {
-  TileWriter(out).writeRoot(node);
+std::size_t appendTile(MapNode node, std::vector<std::byte>& out) {
+  return TileWriter(out).writeRoot(node);
 }
 
 std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root) {
@@ -249,18 +257,21 @@ std::vector<MapTile> encodeTiles(const IorMap& map, int depth) {
   return tiles;
 }
 
+std::size_t checkTile(const MapTile& tile, const std::filesystem::path& source) {
+  if (!isSound(tile.root)) throw IoError(source, "a tile's place in the octree", nameOf(tile.root));
+  return TileReader(tile, source).read(nullptr, nullptr);
+}
+
 IorMap restoreMap(const IorMapConfig& config, std::span<const MapTile> tiles, Tick now,
                   const std::filesystem::path& source) {
   IorMap map(config);
   map.setNow(now);
   IorOcTree& tree = map.tree();
   for (const MapTile& tile : tiles) {
-    if (!isSound(tile.root)) throw IoError(source, "a tile's place in the octree", nameOf(tile.root));
-    TileReader reader(tile, source);
-    reader.read(nullptr, nullptr);
+    checkTile(tile, source);
     IorOcTreeNode* node = makePlace(tree, tile.root);
     if (node == nullptr) throw IoError(source, "tiles that do not overlap", nameOf(tile.root) + " over another");
-    reader.read(&tree, node);
+    TileReader(tile, source).read(&tree, node);
   }
   tree.updateInnerNodes();
   return map;

@@ -47,6 +47,7 @@ struct Explorer::Stages {
         keyframes(c.keyframes),
         extractor(c.features),
         relocaliser(c.relocalisation, c.verification, c.tracking),
+        verifier(c.verification, c.tracking),
         renderer(c.rendering) {}
 
   ExplorerConfig config;
@@ -60,6 +61,7 @@ struct Explorer::Stages {
   KeyframeSet keyframes;
   FeatureExtractor extractor;
   Relocaliser relocaliser;
+  PlaceVerifier verifier;
   Renderer renderer;
   BackProjector projector;
   AttendLog log;
@@ -71,6 +73,7 @@ struct Explorer::Stages {
   void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
   void remember(std::shared_ptr<const Keyframe> keyframe);
   const IorView* mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking, StageClock& clock);
+  [[nodiscard]] const FrameLook& lookAtDepth(const RgbdFrame& frame);
   FrameLook& lookAndMap(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed,
                         FrameReport& report, StageClock& clock);
   [[nodiscard]] bool becomesKeyframe(const FrameLook& look, const Tracking& tracking) const;
@@ -152,6 +155,33 @@ void Explorer::restore(ExplorerMemory memory) {
   stages_->surface = std::move(memory.surface);
   stages_->log = std::move(memory.log);
   stages_->motion.restore(memory.motion);
+  stages_->keyframes = KeyframeSet(config().keyframes);
+  stages_->relocaliser = Relocaliser(config().relocalisation, config().verification, config().tracking);
+  for (std::shared_ptr<const Keyframe>& keyframe : memory.keyframes) stages_->remember(std::move(keyframe));
+}
+
+std::optional<VerifiedPlace> Explorer::findPlace(const RgbdFrame& frame) {
+  requireImages(frame);
+  Stages& s = *stages_;
+  const FrameLook& look = s.lookAtDepth(frame);
+  if (!look.has_depth) return std::nullopt;
+  return s.relocaliser.find(s.extractor.extract(frame.color, look.depth), look.depth, s.surface);
+}
+
+std::optional<VerifiedPlace> Explorer::verifyPlace(const RgbdFrame& frame, const Pose& guess) {
+  requireImages(frame);
+  Stages& s = *stages_;
+  const FrameLook& look = s.lookAtDepth(frame);
+  if (!look.has_depth) return std::nullopt;
+  return s.verifier.verify(look.depth, s.surface, guess);
+}
+
+void Explorer::placeAt(double stamp_s, const Pose& T_WC) {
+  MotionPredictor::State state;
+  state.known = true;
+  state.stamp_s = stamp_s;
+  state.T_WC = T_WC;
+  stages_->motion.restore(state);
 }
 
 const IorMap& Explorer::map() const {
@@ -210,6 +240,12 @@ void Explorer::requireImages(const RgbdFrame& frame) const {
     throw std::invalid_argument("Explorer: expected a depth image of " + text(expected) + ", found " +
                                 text(frame.depth_m.size()));
   }
+}
+
+/// A look with the frame's depth maps at least.
+const FrameLook& Explorer::Stages::lookAtDepth(const RgbdFrame& frame) {
+  const FrameLook* ahead = looks.takeAhead(frame);
+  return ahead != nullptr ? *ahead : looks.prepare(frame);
 }
 
 /// Looks at the frame, or takes the look begun ahead, and tracks and maps. The attention branch needs only the frame:

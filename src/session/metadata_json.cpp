@@ -32,6 +32,7 @@ void visitFields(Metadata& metadata, const Visit& visit) {
   visit("frames_read", metadata.frames_read);
   visit("frames_skipped", metadata.frames_skipped);
   visit("state", metadata.state);
+  visit("range_step", metadata.range_step);
 }
 
 }  // namespace

@@ -67,6 +67,9 @@ SessionDatabase::SessionDatabase(const std::filesystem::path& path, Access acces
 
 void SessionDatabase::create() {
   use("a session file that can be written", [&] {
+    // A file that does not have its name yet is worthless after a crash whatever its state: it needs no journal.
+    db_.exec("PRAGMA journal_mode = OFF");
+    db_.exec("PRAGMA synchronous = OFF");
     db_.exec("PRAGMA application_id = " + std::to_string(schema::kApplicationId));
     db_.exec("PRAGMA user_version = " + std::to_string(schema::kFormatVersion));
     db_.exec(schema::kTables);

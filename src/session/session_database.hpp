@@ -30,7 +30,7 @@ class SessionDatabase {
   enum class Access {
     kRead,    ///< an existing session, nothing is changed
     kWrite,   ///< an existing session of the current format
-    kCreate,  ///< a new file with empty tables; none may be there
+    kCreate,  ///< a new file with empty tables, not safe against crashes; none may be there
   };
 
   /// Throws IoError for whatever is not a session of a format version that `access` allows.

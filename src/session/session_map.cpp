@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "saccade/core/config_file.hpp"
+#include "saccade/core/errors.hpp"
 #include "saccade/map/map_tiles.hpp"
 #include "session/map_blobs.hpp"
 
@@ -82,6 +83,20 @@ AttendLog loadAttendLog(const SessionReader& session) {
     log.record(tick.events, candidates);
   });
   return log;
+}
+
+std::vector<std::shared_ptr<const Keyframe>> loadKeyframes(const SessionReader& session) {
+  std::vector<std::shared_ptr<const Keyframe>> keyframes;
+  for (const KeyframeRecord& record : session.keyframes()) {
+    const std::string name = "keyframe " + std::to_string(record.ordinal.value);
+    const std::optional<FrameRecord> frame = session.frame(record.ordinal);
+    if (!frame) throw IoError(session.path(), "the frame of " + name, "none");
+    std::optional<FrameFeatures> features = decodeFeatures(record.features);
+    if (!features) throw IoError(session.path(), "the features of " + name, "something else");
+    keyframes.push_back(
+        std::make_shared<const Keyframe>(Keyframe{frame->index, frame->stamp_s, record.T_WC, *std::move(features)}));
+  }
+  return keyframes;
 }
 
 }  // namespace saccade

@@ -22,13 +22,61 @@ SessionMetadata readMetadata(const SessionDatabase& database) {
   std::map<std::string, std::string> rows;
   SQLite::Statement query(database.sqlite(), "SELECT key, value FROM meta");
   while (query.executeStep()) rows[query.getColumn(0).getString()] = query.getColumn(1).getString();
-  if (database.formatVersion() == 1) rows["state"] = rows["interrupted"] == "true" ? "\"interrupted\"" : "\"complete\"";
+  if (database.formatVersion() == 1) {
+    rows["state"] = rows["interrupted"] == "true" ? "\"interrupted\"" : "\"complete\"";
+    rows["range_step"] = "1";
+  }
   return metadataFromText(rows, database.path());
 }
 
 void requireChecksum(std::string_view bytes, std::int64_t crc, const std::string& what,
                      const std::filesystem::path& path) {
   if (crc32c(bytes) != crc) throw IoError(path, "undamaged " + what, "a wrong checksum");
+}
+
+std::string blobQuery(BlobTable table) {
+  return std::string("SELECT key, items, crc32c, size, data FROM ") + nameOf(table);
+}
+
+BlobRecord readBlob(SQLite::Statement& query, BlobTable table, const std::filesystem::path& path) {
+  RowReader row(query);
+  BlobRecord blob;
+  blob.key = static_cast<std::uint64_t>(row.integer());
+  blob.items = static_cast<std::uint64_t>(row.integer());
+  const auto crc = static_cast<std::uint32_t>(row.integer());
+  const auto size = static_cast<std::uint64_t>(row.integer());
+  blob.bytes = unpackBlob(row.bytes(), crc, size, largestBlob(table), path,
+                          std::string("part ") + std::to_string(blob.key) + " of table " + nameOf(table));
+  return blob;
+}
+
+constexpr const char* kFrameQuery =
+    "SELECT ordinal, frame, name, stamp_s, tracking, tx, ty, tz, qx, qy, qz, qw, inlier_share, rms_m, tick, open, "
+    "inhibited, attended, processing_ms FROM frames";
+
+FrameRecord readFrame(SQLite::Statement& query) {
+  RowReader row(query);
+  FrameRecord frame;
+  frame.ordinal = {row.integer()};
+  frame.index = {row.integer()};
+  frame.name = row.text();
+  frame.stamp_s = row.number();
+  frame.tracking = row.text();
+  const bool has_pose = !row.nextIsNull();
+  std::array<double, 7> pose{};
+  for (double& value : pose) value = row.number();
+  if (has_pose) {
+    frame.T_WC = Pose(Eigen::Translation3d(pose[0], pose[1], pose[2]) *
+                      Eigen::Quaterniond(pose[6], pose[3], pose[4], pose[5]).normalized());
+  }
+  frame.inlier_share = row.number();
+  frame.rms_m = row.number();
+  frame.tick = static_cast<std::uint32_t>(row.integer());
+  frame.open = static_cast<int>(row.integer());
+  frame.inhibited = static_cast<int>(row.integer());
+  frame.attended = static_cast<int>(row.integer());
+  frame.processing_ms = row.number();
+  return frame;
 }
 
 std::string nameOf(FrameOrdinal ordinal) {
@@ -72,34 +120,18 @@ std::vector<RunRecord> SessionReader::runs() const {
 std::vector<FrameRecord> SessionReader::frames() const {
   return database_->use(kWhole, [&] {
     std::vector<FrameRecord> frames;
-    SQLite::Statement query(database_->sqlite(),
-                            "SELECT ordinal, frame, name, stamp_s, tracking, tx, ty, tz, qx, qy, qz, qw, inlier_share, "
-                            "rms_m, tick, open, inhibited, attended, processing_ms FROM frames ORDER BY ordinal");
-    while (query.executeStep()) {
-      RowReader row(query);
-      FrameRecord frame;
-      frame.ordinal = {row.integer()};
-      frame.index = {row.integer()};
-      frame.name = row.text();
-      frame.stamp_s = row.number();
-      frame.tracking = row.text();
-      const bool has_pose = !row.nextIsNull();
-      std::array<double, 7> pose{};
-      for (double& value : pose) value = row.number();
-      if (has_pose) {
-        frame.T_WC = Pose(Eigen::Translation3d(pose[0], pose[1], pose[2]) *
-                          Eigen::Quaterniond(pose[6], pose[3], pose[4], pose[5]).normalized());
-      }
-      frame.inlier_share = row.number();
-      frame.rms_m = row.number();
-      frame.tick = static_cast<std::uint32_t>(row.integer());
-      frame.open = static_cast<int>(row.integer());
-      frame.inhibited = static_cast<int>(row.integer());
-      frame.attended = static_cast<int>(row.integer());
-      frame.processing_ms = row.number();
-      frames.push_back(std::move(frame));
-    }
+    SQLite::Statement query(database_->sqlite(), std::string(kFrameQuery) + " ORDER BY ordinal");
+    while (query.executeStep()) frames.push_back(readFrame(query));
     return frames;
+  });
+}
+
+std::optional<FrameRecord> SessionReader::frame(FrameOrdinal ordinal) const {
+  return database_->use(kWhole, [&]() -> std::optional<FrameRecord> {
+    SQLite::Statement query(database_->sqlite(), std::string(kFrameQuery) + " WHERE ordinal = ?");
+    query.bind(1, ordinal.value);
+    if (!query.executeStep()) return std::nullopt;
+    return readFrame(query);
   });
 }
 
@@ -210,6 +242,28 @@ std::optional<KeyframeRecord> SessionReader::keyframe(FrameOrdinal ordinal) cons
   });
 }
 
+std::vector<std::string> SessionReader::stateNames() const {
+  return database_->use(kWhole, [&] {
+    std::vector<std::string> names;
+    SQLite::Statement query(database_->sqlite(), "SELECT name FROM state ORDER BY name");
+    while (query.executeStep()) names.push_back(query.getColumn(0).getString());
+    return names;
+  });
+}
+
+std::optional<std::string> SessionReader::state(const std::string& name) const {
+  return database_->use(kWhole, [&]() -> std::optional<std::string> {
+    SQLite::Statement query(database_->sqlite(), "SELECT crc32c, data FROM state WHERE name = ?");
+    query.bind(1, name);
+    if (!query.executeStep()) return std::nullopt;
+    RowReader row(query);
+    const std::int64_t crc = row.integer();
+    std::string bytes(row.bytes());
+    requireChecksum(bytes, crc, "state \"" + name + "\"", path());
+    return bytes;
+  });
+}
+
 void SessionReader::visitBlobs(BlobTable table, const std::function<void(const BlobRecord&)>& visit) const {
   visitBlobs(
       table, [](std::uint64_t) { return true; }, visit);
@@ -218,21 +272,19 @@ void SessionReader::visitBlobs(BlobTable table, const std::function<void(const B
 void SessionReader::visitBlobs(BlobTable table, const std::function<bool(std::uint64_t)>& wanted,
                                const std::function<void(const BlobRecord&)>& visit) const {
   database_->use(kWhole, [&] {
-    const std::string name = nameOf(table);
-    SQLite::Statement query(database_->sqlite(),
-                            "SELECT key, items, crc32c, size, data FROM " + name + " ORDER BY key");
+    SQLite::Statement query(database_->sqlite(), blobQuery(table) + " ORDER BY key");
     while (query.executeStep()) {
-      RowReader row(query);
-      BlobRecord blob;
-      blob.key = static_cast<std::uint64_t>(row.integer());
-      if (!wanted(blob.key)) continue;
-      blob.items = static_cast<std::uint64_t>(row.integer());
-      const auto crc = static_cast<std::uint32_t>(row.integer());
-      const auto size = static_cast<std::uint64_t>(row.integer());
-      blob.bytes = unpackBlob(row.bytes(), crc, size, largestBlob(table), path(),
-                              "part " + std::to_string(blob.key) + " of table " + name);
-      visit(blob);
+      if (wanted(static_cast<std::uint64_t>(query.getColumn(0).getInt64()))) visit(readBlob(query, table, path()));
     }
+  });
+}
+
+std::optional<BlobRecord> SessionReader::blob(BlobTable table, std::uint64_t key) const {
+  return database_->use(kWhole, [&]() -> std::optional<BlobRecord> {
+    SQLite::Statement query(database_->sqlite(), blobQuery(table) + " WHERE key = ?");
+    query.bind(1, static_cast<std::int64_t>(key));
+    if (!query.executeStep()) return std::nullopt;
+    return readBlob(query, table, path());
   });
 }
 

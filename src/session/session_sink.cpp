@@ -3,9 +3,12 @@
 #include <utility>
 
 #include "saccade/core/config_file.hpp"
+#include "saccade/core/errors.hpp"
 #include "saccade/discovery/candidate_json.hpp"
-#include "saccade/map/map_tiles.hpp"
-#include "session/map_blobs.hpp"
+#include "saccade/session/session_map.hpp"
+#include "session/checkpoint.hpp"
+#include "session/map_snapshot.hpp"
+#include "session/motion_state.hpp"
 
 namespace saccade {
 namespace {
@@ -50,48 +53,76 @@ CandidateRecord recordOf(const FrameReport& report, FrameOrdinal ordinal, std::s
 
 }  // namespace
 
-SessionSink::SessionSink(const std::filesystem::path& path, WhenSessionExists when_exists, const Explorer& explorer,
-                         CandidateOutliner outliner, RunRecord run)
-    : explorer_(explorer), writer_(path, when_exists), outliner_(std::move(outliner)) {
-  writer_.addRun(run);
-  metadata_.saccade_version = std::move(run.saccade_version);
-  metadata_.created_utc = std::move(run.started_utc);
-  metadata_.input = std::move(run.input);
-  metadata_.input_kind = std::move(run.input_kind);
+SessionSink::SessionSink(std::unique_ptr<SessionWriter> writer, Explorer& explorer, CandidateOutliner outliner,
+                         const RunRecord& run, const SessionMetadata* before, double checkpoint_interval_s)
+    : explorer_(explorer),
+      outliner_(std::move(outliner)),
+      interval_(checkpoint_interval_s),
+      last_checkpoint_(std::chrono::steady_clock::now()),
+      next_ordinal_(writer->nextOrdinal().value),
+      changes_(std::make_unique<MapChanges>(before != nullptr ? MapChanges::noneIn(explorer) : MapChanges())),
+      checkpoint_(std::make_unique<Checkpoint>()) {
+  if (before != nullptr) metadata_ = *before;
+  if (before == nullptr) metadata_.created_utc = run.started_utc;
+  metadata_.saccade_version = run.saccade_version;
+  metadata_.input = run.input;
+  metadata_.input_kind = run.input_kind;
+  metadata_.state = SessionState::kComplete;
+  ExplorerConfig config = explorer.config();
+  metadata_.config_yaml = printConfig(describing(config), false);
+  metadata_.camera = explorer.camera();
+  metadata_.leaf_size_m = config.map.leaf_size_m;
+  writer->addRun(run);
+  checkpoint_->map.makeRoom();
+  thread_ = std::make_unique<CheckpointThread>(std::move(writer));
 }
 
-void SessionSink::accept(const RgbdFrame& /*frame*/, const FrameReport& report) {
+SessionSink::~SessionSink() = default;
+
+void SessionSink::accept(const RgbdFrame& frame, const FrameReport& report) {
   ++metadata_.frames_read;
-  const FrameOrdinal ordinal = writer_.addFrame(recordOf(report));
+  const FrameOrdinal ordinal{next_ordinal_++};
+  checkpoint_->frames.push_back(recordOf(report));
   MetricsRecord metrics;
   metrics.ordinal = ordinal;
   for (const StageTime& stage : report.stages) metrics.stages_ms.emplace_back(stage.stage, stage.ms);
-  writer_.addMetrics(metrics);
+  checkpoint_->metrics.push_back(std::move(metrics));
   outliner_.begin(*report.seen);
   for (std::size_t rank = 0; rank < report.attended; ++rank) {
-    writer_.addCandidate(recordOf(report, ordinal, rank, outliner_));
+    checkpoint_->candidates.push_back(recordOf(report, ordinal, rank, outliner_));
   }
+  if (report.keyframe) {
+    checkpoint_->keyframes.push_back({ordinal, report.keyframe->T_WC, frame.color.clone(), frame.depth_m.clone(),
+                                      encodeFeatures(report.keyframe->features)});
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (!thread_->idle() || now - last_checkpoint_ < interval_) return;
+  last_checkpoint_ = now;
+  fill();
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - now;
+  checkpoint_->metrics.back().stages_ms.emplace_back("checkpoint", taken.count());
+  thread_->write(checkpoint_);
+}
+
+/// Copies what changed in the explorer since the last checkpoint.
+void SessionSink::fill() {
+  changes_->take(explorer_, checkpoint_->map);
+  checkpoint_->state[kMotionState] = encodeMotion(explorer_.motion());
+  metadata_.tick = explorer_.map().now().value;
+  metadata_.leaves = changes_->leaves();
+  checkpoint_->metadata = metadata_;
 }
 
 void SessionSink::finish() {
-  for (const NodeKey& root : listTiles(explorer_.map())) {
-    writer_.addBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(explorer_.map(), root))});
-  }
-  const SurfaceVolume& surface = explorer_.surface();
-  for (std::size_t i = 0; i < surface.bricks().size(); ++i) {
-    writer_.addBlob(BlobTable::kBricks, {brickKey(surface.bricks()[i]), 1, bytesOf(surface.brick(i))});
-  }
-  const AttendLog& log = explorer_.attendLog();
-  for (std::size_t i = 0; i < log.tickCount(); ++i) {
-    writer_.addBlob(BlobTable::kAttendLog, {log.tick(i).tick.value, log.candidateCount(i), encodeTick(log, i)});
-  }
-  ExplorerConfig config = explorer_.config();
-  metadata_.config_yaml = printConfig(describing(config), false);
-  metadata_.camera = explorer_.camera();
-  metadata_.leaf_size_m = config.map.leaf_size_m;
-  metadata_.tick = explorer_.map().now().value;
-  metadata_.leaves = static_cast<std::int64_t>(explorer_.map().leafCount());
-  writer_.finish(metadata_);
+  fill();
+  thread_->finish(*checkpoint_);
+}
+
+ExplorerMemory loadMemory(const SessionReader& session) {
+  const std::optional<std::string> motion = session.state(kMotionState);
+  if (!motion) throw IoError(session.path(), "the state of a tracked exploration to go on with", "none");
+  return {loadMap(session), loadSurface(session), loadAttendLog(session), decodeMotion(*motion, session.path()),
+          loadKeyframes(session)};
 }
 
 }  // namespace saccade

@@ -6,6 +6,11 @@ namespace {
 constexpr int kViewReduction = 2;
 constexpr int kPointStride_px = 2;
 
+TrackerConfig withEigenvalue(TrackerConfig config, double weak_eigenvalue) {
+  config.solved_eigenvalue = config.weak_eigenvalue = weak_eigenvalue;
+  return config;
+}
+
 /// Share of the frame's points, of those that meet a surface of `view` at `T_WC`, that lie clearly behind it.
 double contradictedShare(const DepthMaps& depth, const ModelView& view, const Pose& T_WC,
                          const PlaceVerifierConfig& config) {
@@ -37,6 +42,8 @@ void PlaceVerifierConfig::describe(ConfigVisitor& visitor) {
                  "of the frame's points that must meet a surface of the model");
   visitor.number("smallest_inlier_share", smallest_inlier_share, {0.0, 1.0}, "",
                  "of the points that meet a surface, those that must lie on it");
+  visitor.number("weak_eigenvalue", weak_eigenvalue, {0.0, 1.0}, "",
+                 "a surface that leaves a direction more open than this verifies nothing");
   visitor.number("largest_rms_m", largest_rms_m, {0.0, 1.0}, "m", "distance of the points from the surface");
   visitor.number("largest_contradicted_share", largest_contradicted_share, {0.0, 1.0}, "",
                  "of the points that meet a surface, those that may lie behind it");
@@ -46,7 +53,7 @@ void PlaceVerifierConfig::describe(ConfigVisitor& visitor) {
 }
 
 PlaceVerifier::PlaceVerifier(const Config& config, const TrackerConfig& tracking)
-    : config_(config), tracker_(tracking) {
+    : config_(config), tracker_(withEigenvalue(tracking, config.weak_eigenvalue)) {
   requireValid(config_);
 }
 

@@ -210,4 +210,36 @@ void linearize(const LivePoints& points, const ModelView& model, const Pose& T_M
   sums.inliers = total[k + 3];
 }
 
+Matrix6 noiseFreeInformation(const LivePoints& points, const ModelView& model, const Pose& T_MC,
+                             const PairingGates& gates) {
+  constexpr std::size_t kStep = 5;  // a fifth of the points: the sum is a mean over thousands of them
+  const PinholeCamera& camera = model.camera;
+  const Eigen::Isometry3f T = T_MC.cast<float>();
+  const auto gate_square = static_cast<float>(gates.distance_m * gates.distance_m);
+  Matrix6 sum = Matrix6::Zero();
+  double weight = 0.0;
+  for (std::size_t i = 0; i < points.count; i += kStep) {
+    const Eigen::Vector3f p = T * Eigen::Vector3f(points.position[0][i], points.position[1][i], points.position[2][i]);
+    if (!(p.z() > 0.01F)) continue;
+    const Eigen::Vector2d pixel = camera.project(p.cast<double>());
+    const int u = cvRound(pixel.x()), v = cvRound(pixel.y());
+    if (u < 0 || v < 0 || u >= camera.width || v >= camera.height) continue;
+    const double depth = static_cast<double>(model.depth_m(v, u));
+    if (!(depth > 0.0)) continue;
+    const Eigen::Vector3f q = camera.unproject(u, v, depth).cast<float>();
+    const Eigen::Vector3f expected(model.normals(v, u).val);
+    const Eigen::Vector3f live =
+        T.linear() * Eigen::Vector3f(points.normal[0][i], points.normal[1][i], points.normal[2][i]);
+    if ((q - p).squaredNorm() >= gate_square || expected.dot(live) <= static_cast<float>(gates.normal_cosine)) continue;
+    Vector6 of_model, of_live;
+    of_model << p.cross(expected).cast<double>(), expected.cast<double>();
+    of_live << p.cross(live).cast<double>(), live.cast<double>();
+    const auto w = static_cast<double>(points.weight[i]);
+    sum += w * (of_model * of_live.transpose());
+    weight += w;
+  }
+  if (!(weight > 0.0)) return Matrix6::Zero();
+  return (sum + sum.transpose()) / (2.0 * weight);
+}
+
 }  // namespace saccade

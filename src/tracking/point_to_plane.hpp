@@ -50,4 +50,12 @@ struct NormalEquations {
 void linearize(const LivePoints& points, const ModelView& model, const Pose& T_MC, const PairingGates& gates,
                NormalEquations& sums);
 
+/// The matrix H per unit of weight as it would be without noise in the normals, estimated around one pose.
+///
+/// Noise turns normals every way, which adds the same to all directions of H: a bare wall seems to hold the camera
+/// sideways. In the products of the model's normal with that of the live point, whose noise is another, it averages
+/// out. The smallest eigenvalue may come out a little below 0. Zero where nothing pairs. Uses some of the points.
+[[nodiscard]] Matrix6 noiseFreeInformation(const LivePoints& points, const ModelView& model, const Pose& T_MC,
+                                           const PairingGates& gates);
+
 }  // namespace saccade

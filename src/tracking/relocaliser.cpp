@@ -39,7 +39,7 @@ Matches match(const FrameFeatures& frame, const Keyframe& keyframe, const Reloca
   return matches;
 }
 
-std::optional<PlaceHypothesis> solvePose(const Matches& matches, const PinholeCamera& camera,
+std::optional<PlaceHypothesis> solvePose(const Matches& matches, const Keyframe& keyframe, const PinholeCamera& camera,
                                          const RelocaliserConfig& config) {
   if (matches.pixels.size() < static_cast<std::size_t>(config.smallest_inliers)) return std::nullopt;
   const cv::Matx33d intrinsics(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
@@ -64,9 +64,12 @@ std::optional<PlaceHypothesis> solvePose(const Matches& matches, const PinholeCa
   cv::cv2eigen(rotation, R);
   T_CW.linear() = R;
   T_CW.translation() = Eigen::Vector3d(shift[0], shift[1], shift[2]);
-  if (!T_CW.matrix().allFinite()) return std::nullopt;
+  // Points behind the camera or far off come of matches that agree by chance.
+  const double jump_m = (T_CW * keyframe.T_WC).translation().norm();
+  if (!(jump_m <= config.farthest_m)) return std::nullopt;
   PlaceHypothesis hypothesis;
   hypothesis.T_WC = T_CW.inverse();
+  hypothesis.keyframe = keyframe.index;
   hypothesis.inliers = static_cast<int>(inliers.size());
   return hypothesis;
 }
@@ -80,6 +83,7 @@ void RelocaliserConfig::describe(ConfigVisitor& visitor) {
   visitor.number("reprojection_px", reprojection_px, {0.1, 100.0}, "px", "largest error of a match that agrees");
   visitor.integer("ransac_iterations", ransac_iterations, {1, 100000}, "", "at most, per keyframe");
   visitor.integer("smallest_inliers", smallest_inliers, {4, 10000}, "", "matches that must agree on a pose");
+  visitor.number("farthest_m", farthest_m, {0.0, 1000.0}, "m", "a pose farther from its keyframe is not believed");
   visitor.integer("verified_hypotheses", verified_hypotheses, {1, 1000}, "", "poses tried on the surface, best first");
 }
 
@@ -117,10 +121,9 @@ std::vector<PlaceHypothesis> Relocaliser::propose(const FrameFeatures& features,
   std::vector<PlaceHypothesis> hypotheses;
   for (const std::size_t i : order) {
     const Keyframe& keyframe = *memory_->keyframes[i];
-    std::optional<PlaceHypothesis> hypothesis = solvePose(match(features, keyframe, config_), camera, config_);
-    if (!hypothesis) continue;
-    hypothesis->keyframe = keyframe.index;
-    hypotheses.push_back(*hypothesis);
+    const std::optional<PlaceHypothesis> hypothesis =
+        solvePose(match(features, keyframe, config_), keyframe, camera, config_);
+    if (hypothesis) hypotheses.push_back(*hypothesis);
   }
   std::stable_sort(hypotheses.begin(), hypotheses.end(),
                    [](const PlaceHypothesis& a, const PlaceHypothesis& b) { return a.inliers > b.inliers; });

@@ -30,16 +30,16 @@ Vector6 scaling(double mean_range_m) {
   return scale;
 }
 
-Spectrum spectrumOf(const NormalEquations& sums, double mean_range_m) {
+Spectrum spectrumOf(const Matrix6& information, double mean_range_m) {
   const Vector6 scale = scaling(mean_range_m);
-  const Matrix6 scaled = scale.asDiagonal() * (sums.H / sums.weight) * scale.asDiagonal();
+  const Matrix6 scaled = scale.asDiagonal() * information * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaled);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
 // The Gauss-Newton step, left out in directions that the surface does not fix: there the prediction stays.
 Vector6 solve(const NormalEquations& sums, double mean_range_m, double smallest_eigenvalue) {
-  const Spectrum spectrum = spectrumOf(sums, mean_range_m);
+  const Spectrum spectrum = spectrumOf(sums.H / sums.weight, mean_range_m);
   const Vector6 scale = scaling(mean_range_m);
   const Vector6 b = scale.asDiagonal() * (sums.b / sums.weight);
   Vector6 step = Vector6::Zero();
@@ -67,8 +67,10 @@ void TrackerConfig::describe(ConfigVisitor& visitor) {
   visitor.number("fine_gate_m", fine_gate_m, {0.001, 10.0}, "m", "largest distance of a pair, finest level");
   visitor.number("smallest_normal_cosine", smallest_normal_cosine, {-1.0, 1.0}, "",
                  "cosine of the largest angle between the normals of a pair");
-  visitor.number("weak_eigenvalue", weak_eigenvalue, {0.0, 1.0}, "",
+  visitor.number("solved_eigenvalue", solved_eigenvalue, {0.0, 1.0}, "",
                  "directions of motion with a smaller eigenvalue are not solved for");
+  visitor.number("weak_eigenvalue", weak_eigenvalue, {0.0, 1.0}, "",
+                 "with a smaller eigenvalue, free of noise, the result is weak");
   visitor.number("weak_inlier_share", weak_inlier_share, {0.0, 1.0}, "", "with fewer inliers the result is weak");
   visitor.number("lost_inlier_share", lost_inlier_share, {0.0, 1.0}, "", "with fewer inliers the camera is lost");
   visitor.integer("lost_inliers", lost_inliers, {6, 1000000}, "points", "with fewer inliers the camera is lost");
@@ -100,7 +102,7 @@ Tracking Tracker::track(const DepthMaps& depth, const ModelView& model, const Po
     for (int i = 0; i < iterations[level]; ++i) {
       linearize(points, model, T_MC, {gates_m[level], config_.smallest_normal_cosine}, sums);
       if (sums.inliers < 6.0 || !(sums.weight > 0.0)) break;
-      const Vector6 step = solve(sums, points.mean_range_m, config_.weak_eigenvalue);
+      const Vector6 step = solve(sums, points.mean_range_m, config_.solved_eigenvalue);
       T_MC = orthonormalized(rigidMotion(step.head<3>(), step.tail<3>()) * T_MC);
       ++result.iterations;
       if (step.head<3>().norm() < kSmallTurn_rad && step.tail<3>().norm() < kSmallShift_m) break;
@@ -113,7 +115,9 @@ Tracking Tracker::track(const DepthMaps& depth, const ModelView& model, const Po
   result.inlier_share = sums.inliers / sums.met;
   result.covered_share = sums.met / static_cast<double>(finest.count);
   result.rms_m = std::sqrt(sums.weighted_square / sums.weight);
-  const Vector6 spectrum = spectrumOf(sums, finest.mean_range_m).values;
+  const PairingGates finest_gates{config_.fine_gate_m, config_.smallest_normal_cosine};
+  const Vector6 spectrum =
+      spectrumOf(noiseFreeInformation(finest, model, T_MC, finest_gates), finest.mean_range_m).values;
   result.smallest_eigenvalue = std::max(0.0, spectrum(0));
   result.condition = spectrum(0) > 0.0 ? spectrum(5) / spectrum(0) : std::numeric_limits<double>::infinity();
   const Pose correction = T_MC_predicted.inverse() * T_MC;

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <fcntl.h>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <stdexcept>
 #include <sys/wait.h>
@@ -33,19 +34,15 @@ std::string readFile(const std::filesystem::path& path) {
   ::_exit(127);
 }
 
-}  // namespace
-
-ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrupt_after_s) {
+/// Runs the program; `meanwhile` may send it signals before its end is waited for.
+ProgramRun runWhile(const std::vector<std::string>& arguments, const std::function<void(pid_t)>& meanwhile) {
   const TemporaryFolder folder;
   const std::string output = folder / "stdout";
   const std::string talk = folder / "stderr";
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("cannot fork");
   if (child == 0) becomeSaccade(arguments, output, talk);
-  if (interrupt_after_s > 0.0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(interrupt_after_s));
-    ::kill(child, SIGINT);
-  }
+  meanwhile(child);
   int status = 0;
   ::waitpid(child, &status, 0);
   ProgramRun run;
@@ -53,6 +50,28 @@ ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrup
   run.output = readFile(output);
   run.talk = readFile(talk);
   return run;
+}
+
+}  // namespace
+
+ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrupt_after_s) {
+  return runWhile(arguments, [&](pid_t child) {
+    if (interrupt_after_s <= 0.0) return;
+    std::this_thread::sleep_for(std::chrono::duration<double>(interrupt_after_s));
+    ::kill(child, SIGINT);
+  });
+}
+
+ProgramRun killSaccade(const std::vector<std::string>& arguments, const std::filesystem::path& file, double after_s) {
+  return runWhile(arguments, [&](pid_t child) {
+    constexpr auto kPoll = std::chrono::milliseconds(5);
+    constexpr int kMostPolls = 12'000;  // a minute
+    for (int i = 0; i < kMostPolls && !file.empty() && !std::filesystem::exists(file); ++i) {
+      std::this_thread::sleep_for(kPoll);
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
+    ::kill(child, SIGKILL);
+  });
 }
 
 }  // namespace saccade::test

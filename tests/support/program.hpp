@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,5 +16,10 @@ struct ProgramRun {
 /// Runs the saccade program that was built with these tests and waits for its end. With `interrupt_after_s` > 0 it is
 /// sent SIGINT after that time.
 [[nodiscard]] ProgramRun runSaccade(const std::vector<std::string>& arguments, double interrupt_after_s = 0.0);
+
+/// Runs the program, waits until it has made `file`, and kills it (SIGKILL) `after_s` later; an empty name waits for
+/// nothing.
+[[nodiscard]] ProgramRun killSaccade(const std::vector<std::string>& arguments, const std::filesystem::path& file,
+                                     double after_s);
 
 }  // namespace saccade::test

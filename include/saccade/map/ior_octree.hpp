@@ -23,8 +23,8 @@ class NodePool;
 /// IOR 4, surface 8.
 ///
 /// A leaf holds its IOR memory and its surface. An inner node holds the largest log-odds below it; its IOR says "an
-/// inhibited leaf may be below, until this tick"; its surface bytes hold which children exist and whether anything below
-/// was touched since clearChanged(). Nodes belong to a tree, which alone creates and deletes them.
+/// inhibited leaf may be below, until this tick"; its surface bytes hold which children exist and whether anything
+/// below was touched since clearChanged(). Nodes belong to a tree, which alone creates and deletes them.
 class IorOcTreeNode : public octomap::OcTreeNode {
  public:
   IorOcTreeNode() = default;

@@ -29,8 +29,8 @@ struct MapTile {
 /// equal bytes. Throws std::invalid_argument where the map has no such node.
 [[nodiscard]] std::vector<std::byte> encodeTile(const IorMap& map, const NodeKey& root);
 
-/// The same bytes of the subtree under `node`, put behind what `out` holds.
-void appendTile(MapNode node, std::vector<std::byte>& out);
+/// The same bytes of the subtree under `node`, put behind what `out` holds; the number of its leaves.
+std::size_t appendTile(MapNode node, std::vector<std::byte>& out);
 
 /// One tile of a map and whether it may have changed.
 struct TileChange {
@@ -45,6 +45,9 @@ struct TileChange {
 
 /// All tiles of the map.
 [[nodiscard]] std::vector<MapTile> encodeTiles(const IorMap& map, int depth = kTileDepth);
+
+/// The number of leaves in a tile. Throws IoError naming `source` unless restoreMap() would take it, looked at alone.
+std::size_t checkTile(const MapTile& tile, const std::filesystem::path& source);
 
 /// A map with the given tiles and tick, equal to the one they were made from if the config is the same.
 ///

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "saccade/core/frame.hpp"
 #include "saccade/map/attend_log.hpp"
@@ -19,6 +20,7 @@ struct ExplorerMemory {
   SurfaceVolume surface;
   AttendLog log;
   MotionPredictor::State motion;
+  std::vector<std::shared_ptr<const Keyframe>> keyframes;  ///< in the order in which they came
 };
 
 /// Explores a scene frame by frame: tracks the camera, maps, proposes objects, inhibits what was attended, attends the
@@ -51,6 +53,13 @@ class Explorer {
 
   /// Goes on from `memory` instead of from nothing.
   void restore(ExplorerMemory memory);
+
+  /// Where the frame was taken, by the keyframes and the surface alone; none if that is not certain. Edits nothing.
+  [[nodiscard]] std::optional<VerifiedPlace> findPlace(const RgbdFrame& frame);
+  /// The same near `guess`, by the surface alone.
+  [[nodiscard]] std::optional<VerifiedPlace> verifyPlace(const RgbdFrame& frame, const Pose& guess);
+  /// Says that the camera is at `T_WC` at `stamp_s`, at rest: the next frame is tracked from there.
+  void placeAt(double stamp_s, const Pose& T_WC);
 
   [[nodiscard]] const IorMap& map() const;
   /// For those who keep or page the map between two frames.

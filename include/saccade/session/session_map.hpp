@@ -1,6 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -10,6 +13,7 @@
 #include "saccade/map/surface_volume.hpp"
 #include "saccade/pipeline/explorer_config.hpp"
 #include "saccade/session/session_reader.hpp"
+#include "saccade/tracking/keyframe_set.hpp"
 
 /// What a session holds, as the objects that it was made from. All throw IoError where the session is damaged.
 namespace saccade {
@@ -43,5 +47,8 @@ class MapRegion {
 
 /// The record of every attention.
 [[nodiscard]] AttendLog loadAttendLog(const SessionReader& session);
+
+/// The keyframes with their features, in the order in which they came; without images.
+[[nodiscard]] std::vector<std::shared_ptr<const Keyframe>> loadKeyframes(const SessionReader& session);
 
 }  // namespace saccade

@@ -30,6 +30,7 @@ class SessionReader {
   [[nodiscard]] std::vector<RunRecord> runs() const;
   /// All frames in the order of processing, with their poses: the trajectory.
   [[nodiscard]] std::vector<FrameRecord> frames() const;
+  [[nodiscard]] std::optional<FrameRecord> frame(FrameOrdinal ordinal) const;
   /// Time of each stage, frame by frame.
   [[nodiscard]] std::vector<MetricsRecord> metrics() const;
   /// The attended candidates of one frame by rank.
@@ -41,11 +42,18 @@ class SessionReader {
   [[nodiscard]] std::vector<KeyframeRecord> keyframes() const;
   /// One keyframe with its images; none if the frame is no keyframe.
   [[nodiscard]] std::optional<KeyframeRecord> keyframe(FrameOrdinal ordinal) const;
+  /// Bytes that were kept under a name by SessionWriter::putState().
+  [[nodiscard]] std::optional<std::string> state(const std::string& name) const;
+  /// The names that state() knows.
+  [[nodiscard]] std::vector<std::string> stateNames() const;
   /// Calls `visit` with every blob of `table` in the order of its keys, unpacked and checked.
   void visitBlobs(BlobTable table, const std::function<void(const BlobRecord&)>& visit) const;
   /// The same with those blobs alone whose key `wanted` accepts; the others are not unpacked.
   void visitBlobs(BlobTable table, const std::function<bool(std::uint64_t key)>& wanted,
                   const std::function<void(const BlobRecord&)>& visit) const;
+
+  /// One blob, unpacked and checked; none if there is none of that key.
+  [[nodiscard]] std::optional<BlobRecord> blob(BlobTable table, std::uint64_t key) const;
 
   /// The open file, for stages that keep tables of their own in it (src/session/session_database.hpp).
   [[nodiscard]] const SessionDatabase& database() const { return *database_; }

@@ -108,6 +108,7 @@ struct SessionMetadata {
   std::int64_t leaves = 0;
   std::int64_t frames_read = 0;
   std::int64_t frames_skipped = 0;
+  std::int64_t range_step = 1;  ///< of the last run's frames in its input
   SessionState state = SessionState::kComplete;
 };
 

@@ -10,9 +10,11 @@
 namespace saccade {
 
 struct PlaceVerifierConfig {
-  double smallest_covered_share = 0.4;  ///< of the frame's points that meet a surface of the model
-  double smallest_inlier_share = 0.7;   ///< of those, the share that lies on it
-  double largest_rms_m = 0.01;          ///< of the inliers' point-to-plane distances
+  double smallest_covered_share = 0.55;  ///< of the frame's points that meet a surface of the model
+  double smallest_inlier_share = 0.5;    ///< of those, the share that lies on it
+  /// As TrackerConfig::weak_eigenvalue, but less: of a guess by many points the open direction is known fairly well.
+  double weak_eigenvalue = 5e-4;
+  double largest_rms_m = 0.01;  ///< of the inliers' point-to-plane distances
   /// Share of the covered points that are seen through a surface of the model, which nothing but a change of the scene
   /// explains if the pose is right.
   double largest_contradicted_share = 0.08;

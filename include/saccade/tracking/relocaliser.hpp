@@ -19,6 +19,7 @@ struct RelocaliserConfig {
   double reprojection_px = 4.0;  ///< largest distance between a matched point's projection and its feature
   int ransac_iterations = 500;   ///< at most
   int smallest_inliers = 12;     ///< with fewer matches that agree on a pose there is none
+  double farthest_m = 5.0;       ///< a pose that far from the keyframe that it was found by is not believed
   int verified_hypotheses = 3;   ///< poses that are tried on the surface, best first
 
   void describe(ConfigVisitor& visitor);

@@ -24,7 +24,7 @@ struct Tracking {
   double covered_share = 0.0;  ///< of all live points: those that met the model at all
   double rms_m = 0.0;          ///< point-to-plane distance of the inliers, weighted
   /// Smallest eigenvalue of the normal matrix H per unit of weight, rotations scaled by the mean distance of the
-  /// points: 0 means that some motion of the camera would go unnoticed.
+  /// points, without what noise in the normals adds: 0 means that some motion of the camera would go unnoticed.
   double smallest_eigenvalue = 0.0;
   double condition = 0.0;  ///< largest eigenvalue over the smallest, infinite if that is 0
   int iterations = 0;      ///< over all levels
@@ -39,7 +39,9 @@ struct TrackerConfig {
   double middle_gate_m = 0.05;
   double fine_gate_m = 0.025;
   double smallest_normal_cosine = 0.8;
-  double weak_eigenvalue = 2e-3;  ///< directions with less are not solved for; the result is weak
+  double solved_eigenvalue = 2e-3;  ///< directions with less, noise and all, are not solved for
+  /// A result with less, see Tracking::smallest_eigenvalue, is weak. Bare walls have up to 4e-4, cluttered scenes 4e-3.
+  double weak_eigenvalue = 1e-3;
   double weak_inlier_share = 0.5;
   double lost_inlier_share = 0.25;
   int lost_inliers = 1000;

@@ -52,10 +52,10 @@ void writeSession(const std::filesystem::path& path, const PaintedRoom& room, co
     writer.addKeyframe(keyframe);
   }
   for (const NodeKey& root : listTiles(map)) {
-    writer.addBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(map, root))});
+    writer.putBlob(BlobTable::kTiles, {tileKey(root), 1, bytesOf(encodeTile(map, root))});
   }
   for (std::size_t i = 0; i < surface.bricks().size(); ++i) {
-    writer.addBlob(BlobTable::kBricks, {brickKey(surface.bricks()[i]), 1, bytesOf(surface.brick(i))});
+    writer.putBlob(BlobTable::kBricks, {brickKey(surface.bricks()[i]), 1, bytesOf(surface.brick(i))});
   }
   ExplorerConfig config;
   SessionMetadata metadata;

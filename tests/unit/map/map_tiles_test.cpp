@@ -1,5 +1,6 @@
 #include "saccade/map/map_tiles.hpp"
 
+#include <map>
 #include <random>
 #include <stdexcept>
 #include <vector>
@@ -64,6 +65,53 @@ TEST(MapTiles, CoarseLeavesAboveTheTileDepthAreTilesOfTheirOwn) {
   for (const NodeKey& root : listTiles(map, 16)) coarse |= root.depth < 16;
   EXPECT_TRUE(coarse);
   EXPECT_TRUE(listTiles(IorMap(smallConfig())).empty());
+}
+
+TEST(MapTiles, ChangesNameEveryTileThatDiffers) {
+  constexpr int kDepth = 13;  // many small tiles
+  IorMap map(smallConfig());
+  std::map<NodeKey, std::vector<std::byte>> before;
+  DepthMaps maps;
+  maps.camera = {80, 60, 80.0, 80.0, 39.5, 29.5};
+  std::size_t unchanged = 0;
+  for (int i = 0; i < 40; ++i) {
+    maps.depth_m = cv::Mat1f(60, 80, 1.5f + 0.1f * static_cast<float>(i % 7));
+    const Pose T_WC(Eigen::Translation3d(0.02 * i, 0.0, 0.0) *
+                    Eigen::AngleAxisd(0.4 * static_cast<double>(i % 5), Eigen::Vector3d::UnitY()));
+    if (i % 3 != 2) map.integrate(maps, {}, T_WC);
+    std::vector<LeafKey> keys;
+    map.forEachLeaf([&](const MapLeaf& leaf) {
+      if (leaf.occupied && leaf.key.corner.x % 32 == i % 32) keys.push_back(leaf.key.corner);
+    });
+    map.attend(keys);
+
+    std::map<NodeKey, std::vector<std::byte>> after;
+    for (const TileChange& tile : takeTileChanges(map, kDepth)) {
+      appendTile(tile.node, after[tile.root]);
+      ASSERT_EQ(after[tile.root], encodeTile(map, tile.root));
+      const auto old = before.find(tile.root);
+      const bool differs = old == before.end() || old->second != after[tile.root];
+      EXPECT_TRUE(tile.changed || !differs) << "step " << i;
+      unchanged += tile.changed ? 0 : 1;
+    }
+    EXPECT_EQ(after.size(), listTiles(map, kDepth).size());
+    before = std::move(after);
+  }
+  EXPECT_GT(unchanged, 100U);  // and not simply all of them
+}
+
+TEST(MapTiles, AttendingOneLeafChangesOneTile) {
+  IorMap map = exploredMap();
+  std::vector<LeafKey> key;
+  map.forEachLeaf([&](const MapLeaf& leaf) {
+    if (leaf.occupied && leaf.key.depth == MapTree::kDepth && key.empty()) key.push_back(leaf.key.corner);
+  });
+  ASSERT_EQ(key.size(), 1U);
+  (void)takeTileChanges(map);
+  map.attend(key);
+  int changed = 0;
+  for (const TileChange& tile : takeTileChanges(map)) changed += tile.changed && !tile.node.isLeaf() ? 1 : 0;
+  EXPECT_EQ(changed, 1);
 }
 
 TEST(MapTiles, RestoredMapGoesOnExactlyAsTheOriginal) {

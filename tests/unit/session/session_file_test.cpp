@@ -126,8 +126,8 @@ void writeExample(const std::filesystem::path& path, WhenSessionExists when_exis
   lost.tracking = "lost";
   lost.T_WC.reset();
   writer.addFrame(lost);
-  writer.addBlob(BlobTable::kTiles, {7, 3, randomBytes(100'000, 1)});
-  writer.addBlob(BlobTable::kTiles, {std::uint64_t{1} << 48, 0, ""});
+  writer.putBlob(BlobTable::kTiles, {7, 3, randomBytes(100'000, 1)});
+  writer.putBlob(BlobTable::kTiles, {std::uint64_t{1} << 48, 0, ""});
   writer.finish(exampleMetadata());
 }
 
@@ -300,7 +300,7 @@ TEST(SessionFile, ADiskThatFillsUpIsAnErrorAndTheOldSessionStays) {
   EXPECT_THROW(
       {
         SessionWriter writer(folder / "s.saccade", WhenSessionExists::kReplace);
-        for (unsigned i = 0; i < 64; ++i) writer.addBlob(BlobTable::kTiles, {i, 1, randomBytes(1 << 17, i)});
+        for (unsigned i = 0; i < 64; ++i) writer.putBlob(BlobTable::kTiles, {i, 1, randomBytes(1 << 17, i)});
         writer.finish(exampleMetadata());
       },
       IoError);

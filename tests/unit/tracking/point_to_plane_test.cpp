@@ -74,6 +74,38 @@ TEST(PointToPlane, LeavesOutPointsBeyondTheGates) {
   EXPECT_EQ(turned.inliers, 0.0);
 }
 
+// Turns every normal by its own angle of about `noise` radians.
+void addNoise(cv::Mat3f& normals, double noise, std::uint64_t seed) {
+  cv::RNG random(seed);
+  for (cv::Vec3f& n : normals) {
+    if (n[2] == 0.0F) continue;
+    for (int axis = 0; axis < 3; ++axis) n[axis] += static_cast<float>(random.gaussian(noise));
+    n /= static_cast<float>(cv::norm(n));
+  }
+}
+
+TEST(PointToPlane, DoesNotTakeNoiseInTheNormalsForStructureOfTheSurface) {
+  constexpr double kNoise_rad = 0.05;
+  test::DepthScene scene;
+  scene.planes = {{Eigen::Vector3d(0.2, -0.3, -0.9).normalized(), -1.5}};
+  DepthMaps depth;
+  DepthPreparation().prepare(scene.render(smallCamera(), Pose::Identity()), smallCamera(), depth);
+  ModelView model = wall();
+  addNoise(model.normals, kNoise_rad, 1);
+  addNoise(depth.normals, kNoise_rad, 2);
+  LivePoints points;
+  points.select(depth, 2);
+  NormalEquations sums;
+  linearize(points, model, Pose::Identity(), {0.05, 0.5}, sums);
+  const Matrix6 with_noise = sums.H / sums.weight;
+  const Matrix6 without = noiseFreeInformation(points, model, Pose::Identity(), {0.05, 0.5});
+  // A shift along the wall cannot be seen: all that H has to say about it is the square of the noise.
+  Vector6 along = Vector6::Zero();
+  along.tail<3>() = Eigen::Vector3d(0.2, -0.3, -0.9).normalized().unitOrthogonal();
+  EXPECT_NEAR(along.dot(with_noise * along), kNoise_rad * kNoise_rad, 0.3 * kNoise_rad * kNoise_rad);
+  EXPECT_LT(std::abs(along.dot(without * along)), 0.2 * kNoise_rad * kNoise_rad);
+}
+
 TEST(PointToPlane, CountsNothingWhereTheModelHasNoSurface) {
   const DepthMaps depth = measured(Pose::Identity());
   ModelView model = wall();

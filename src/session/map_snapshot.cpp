@@ -1,0 +1,97 @@
+#include "session/map_snapshot.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "saccade/map/map_tiles.hpp"
+#include "session/map_blobs.hpp"
+
+namespace saccade {
+
+void MapSnapshot::clear() {
+  bytes_.clear();
+  parts_.clear();
+  removed_tiles_.clear();
+}
+
+std::string_view MapSnapshot::bytesOf(const Part& part) const {
+  return {reinterpret_cast<const char*>(bytes_.data()) + part.begin, part.size};
+}
+
+void MapSnapshot::makeRoom() {
+  constexpr std::size_t kLeast = std::size_t{16} << 20U;
+  const std::size_t used = bytes_.size();
+  bytes_.resize(std::max(kLeast, used + used / 2));
+  bytes_.resize(used);
+}
+
+void MapSnapshot::add(BlobTable table, std::uint64_t key, std::uint64_t items, const void* data, std::size_t size) {
+  const auto* first = static_cast<const std::byte*>(data);
+  parts_.push_back({table, key, items, bytes_.size(), size});
+  bytes_.insert(bytes_.end(), first, first + size);
+}
+
+MapChanges MapChanges::noneIn(Explorer& explorer) {
+  MapChanges changes;
+  std::vector<std::byte> bytes;
+  for (const TileChange& tile : takeTileChanges(explorer.map())) {
+    bytes.clear();
+    changes.tiles_.push_back({tileKey(tile.root), appendTile(tile.node, bytes)});
+  }
+  std::sort(changes.tiles_.begin(), changes.tiles_.end());
+  changes.surface_changes_ = explorer.surface().changes();
+  changes.bricks_ = explorer.surface().bricks().size();
+  changes.ticks_ = explorer.attendLog().tickCount();
+  return changes;
+}
+
+const MapChanges::Tile* MapChanges::find(std::uint64_t key) const {
+  const auto at = std::lower_bound(tiles_.begin(), tiles_.end(), Tile{key, 0});
+  return at != tiles_.end() && at->key == key ? &*at : nullptr;
+}
+
+std::int64_t MapChanges::leaves() const {
+  return std::accumulate(tiles_.begin(), tiles_.end(), std::int64_t{0}, [](std::int64_t sum, const Tile& tile) {
+    return sum + static_cast<std::int64_t>(tile.leaves);
+  });
+}
+
+void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot) {
+  snapshot.clear();
+  std::vector<Tile> tiles;
+  for (const TileChange& change : takeTileChanges(explorer.map())) {
+    const std::uint64_t key = tileKey(change.root);
+    const Tile* known = find(key);
+    if (!change.changed && known != nullptr) {
+      tiles.push_back(*known);
+      continue;
+    }
+    const std::size_t begin = snapshot.bytes_.size();
+    tiles.push_back({key, appendTile(change.node, snapshot.bytes_)});
+    snapshot.parts_.push_back({BlobTable::kTiles, key, tiles.back().leaves, begin, snapshot.bytes_.size() - begin});
+  }
+  std::sort(tiles.begin(), tiles.end());
+  std::swap(tiles, tiles_);
+  for (const Tile& old : tiles) {
+    if (find(old.key) == nullptr) snapshot.removed_tiles_.push_back(old.key);
+  }
+
+  const SurfaceVolume& surface = explorer.surface();
+  for (std::size_t i = 0; i < surface.bricks().size(); ++i) {
+    if (i < bricks_ && surface.lastChange(i) <= surface_changes_) continue;
+    const SurfaceBrick& brick = surface.brick(i);
+    static_assert(sizeof brick == sizeof brick.distance + sizeof brick.weight, "a brick's bytes are its samples");
+    snapshot.add(BlobTable::kBricks, brickKey(surface.bricks()[i]), 1, &brick, sizeof brick);
+  }
+  surface_changes_ = surface.changes();
+  bricks_ = surface.bricks().size();
+
+  const AttendLog& log = explorer.attendLog();
+  for (; ticks_ < log.tickCount(); ++ticks_) {
+    const std::string bytes = encodeTick(log, ticks_);
+    snapshot.add(BlobTable::kAttendLog, log.tick(ticks_).tick.value, log.candidateCount(ticks_), bytes.data(),
+                 bytes.size());
+  }
+}
+
+}  // namespace saccade

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "saccade/pipeline/explorer.hpp"
+#include "saccade/session/session_writer.hpp"
+
+namespace saccade {
+
+/// Copies of the parts of map, surface volume and attend log that changed, so that they can be compressed and written
+/// while exploration goes on. To be recycled: fresh memory costs more than the copying.
+class MapSnapshot {
+ public:
+  struct Part {
+    BlobTable table;
+    std::uint64_t key;
+    std::uint64_t items;
+    std::size_t begin, size;  // in the bytes
+  };
+
+  void clear();
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  [[nodiscard]] std::string_view bytesOf(const Part& part) const;
+  [[nodiscard]] const std::vector<std::uint64_t>& removedTiles() const { return removed_tiles_; }
+  /// Touches memory for as much again as was used and some more, so that the next filling need not. Keeps the parts.
+  void makeRoom();
+
+ private:
+  friend class MapChanges;
+
+  void add(BlobTable table, std::uint64_t key, std::uint64_t items, const void* data, std::size_t size);
+
+  std::vector<std::byte> bytes_;
+  std::vector<Part> parts_;
+  std::vector<std::uint64_t> removed_tiles_;
+};
+
+/// Knows which parts of an exploration's map a session holds already, and finds those that changed since.
+class MapChanges {
+ public:
+  /// Of a session without any part.
+  MapChanges() = default;
+  /// Of a session that holds everything that `explorer` has learnt.
+  [[nodiscard]] static MapChanges noneIn(Explorer& explorer);
+
+  /// Fills `snapshot` with what changed since the last call. Cost: the changed parts, and a glance at each tile and
+  /// brick.
+  void take(Explorer& explorer, MapSnapshot& snapshot);
+  /// Leaves of the map at the last call.
+  [[nodiscard]] std::int64_t leaves() const;
+
+ private:
+  /// A tile that the session holds.
+  struct Tile {
+    std::uint64_t key;
+    std::size_t leaves;
+    friend auto operator<=>(const Tile&, const Tile&) = default;
+  };
+
+  [[nodiscard]] const Tile* find(std::uint64_t key) const;
+
+  std::vector<Tile> tiles_;  // in rising order of their keys
+  std::uint64_t surface_changes_ = 0;
+  std::size_t bricks_ = 0;
+  std::size_t ticks_ = 0;
+};
+
+}  // namespace saccade

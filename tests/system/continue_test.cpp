@@ -1,0 +1,171 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "saccade/session/session_map.hpp"
+#include "saccade/session/session_reader.hpp"
+#include "saccade/session/session_repair.hpp"
+#include "support/program.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace saccade {
+namespace {
+
+using test::ProgramRun;
+using test::runSaccade;
+using test::TemporaryFolder;
+
+std::string readFile(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::map<std::uint64_t, std::string> blobsOf(const SessionReader& session, BlobTable table) {
+  std::map<std::uint64_t, std::string> blobs;
+  session.visitBlobs(table, [&](const BlobRecord& blob) { blobs[blob.key] = blob.bytes; });
+  return blobs;
+}
+
+void expectSameExploration(const std::filesystem::path& a_path, const std::filesystem::path& b_path) {
+  const SessionReader a(a_path), b(b_path);
+  for (const BlobTable table : {BlobTable::kTiles, BlobTable::kBricks, BlobTable::kAttendLog}) {
+    EXPECT_TRUE(blobsOf(a, table) == blobsOf(b, table)) << "table " << static_cast<int>(table);
+  }
+  EXPECT_EQ(a.state("motion"), b.state("motion"));
+  const std::vector<KeyframeRecord> keyframes_a = a.keyframes(), keyframes_b = b.keyframes();
+  ASSERT_EQ(keyframes_a.size(), keyframes_b.size());
+  EXPECT_GT(keyframes_a.size(), 0U);
+  for (std::size_t i = 0; i < keyframes_a.size(); ++i) {
+    EXPECT_EQ(keyframes_a[i].ordinal, keyframes_b[i].ordinal);
+    EXPECT_EQ(keyframes_a[i].T_WC.matrix(), keyframes_b[i].T_WC.matrix());
+    EXPECT_EQ(keyframes_a[i].features, keyframes_b[i].features);
+  }
+  EXPECT_EQ(a.metadata().leaves, b.metadata().leaves);
+  EXPECT_EQ(a.metadata().tick, b.metadata().tick);
+  const std::vector<FrameRecord> frames_a = a.frames(), frames_b = b.frames();
+  ASSERT_EQ(frames_a.size(), frames_b.size());
+  for (std::size_t i = 0; i < frames_a.size(); ++i) {
+    EXPECT_EQ(frames_a[i].name, frames_b[i].name);
+    ASSERT_EQ(frames_a[i].T_WC.has_value(), frames_b[i].T_WC.has_value());
+    if (frames_a[i].T_WC) {
+      EXPECT_EQ(frames_a[i].T_WC->matrix(), frames_b[i].T_WC->matrix()) << "frame " << i;
+    }
+    const std::vector<CandidateRecord> candidates_a = a.candidates(frames_a[i].ordinal);
+    const std::vector<CandidateRecord> candidates_b = b.candidates(frames_b[i].ordinal);
+    ASSERT_EQ(candidates_a.size(), candidates_b.size());
+    for (std::size_t k = 0; k < candidates_a.size(); ++k) {
+      EXPECT_EQ(candidates_a[k].mask_rle, candidates_b[k].mask_rle);
+      EXPECT_EQ(candidates_a[k].score, candidates_b[k].score);
+      EXPECT_EQ(candidates_a[k].revisited_share, candidates_b[k].revisited_share);
+    }
+  }
+}
+
+/// Explores `input` at once and with a stop at `stop`, at different numbers of threads, and compares.
+void expectTheLaw(const std::string& input, int stop, int end, const std::string& step) {
+  const TemporaryFolder folder;
+  const auto explore = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "explore");
+    const ProgramRun run = runSaccade(arguments);
+    ASSERT_EQ(run.exit_code, 0) << run.talk;
+  };
+  const std::string first_range = ":" + std::to_string(stop) + ":" + step;
+  explore({input, "--range", ":" + std::to_string(end) + ":" + step, "-o", folder / "whole.saccade", "--candidates",
+           folder / "whole.jsonl", "--threads", "1"});
+  // A checkpoint after every frame: what is written piece by piece is the same as what is written at the end.
+  explore({input, "--range", first_range, "-o", folder / "parts.saccade", "--candidates", folder / "first.jsonl",
+           "--threads", "2", "--checkpoint-interval", "0"});
+  explore({"--continue", folder / "parts.saccade", input, "--range",
+           std::to_string(stop) + ":" + std::to_string(end) + ":" + step, "--candidates", folder / "second.jsonl",
+           "--threads", "2", "--checkpoint-interval", "0"});
+  expectSameExploration(folder / "whole.saccade", folder / "parts.saccade");
+  EXPECT_EQ(readFile(folder / "first.jsonl") + readFile(folder / "second.jsonl"), readFile(folder / "whole.jsonl"));
+  EXPECT_EQ(SessionReader(folder / "parts.saccade").runs().size(), 2U);
+  for (const char* name : {"whole.saccade", "parts.saccade"}) {
+    const SessionFindings findings = verifySession(folder / name);
+    EXPECT_TRUE(findings.complaints.empty()) << findings.complaints.front();
+  }
+  // The sum of the tiles' counts, against a count of the whole tree.
+  const SessionReader parts(folder / "parts.saccade");
+  EXPECT_EQ(parts.metadata().leaves, static_cast<std::int64_t>(loadMap(parts).leafCount()));
+}
+
+TEST(Continue, AnExplorationOfTheDeskThatStoppedGoesOnAsIfItHadNot) {
+  expectTheLaw("sim:desk", 8, 14, "1");
+}
+
+TEST(Continue, AnExplorationOfARealKitchenThatStoppedGoesOnAsIfItHadNot) {
+  const std::filesystem::path kitchen = std::filesystem::path(SACCADE_TEST_DATA_DIR) / "kitchen";
+  if (!std::filesystem::exists(kitchen)) GTEST_SKIP() << "needs " << kitchen;
+  expectTheLaw(kitchen, 20, 40, "2");
+}
+
+TEST(Continue, GoesOnBehindTheLastFrameWithTheStepOfBefore) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(runSaccade({"explore", "sim:desk?frames=12", "--range", ":6:2", "-o", folder / "s.saccade"}).exit_code, 0);
+  const ProgramRun run = runSaccade({"explore", "--continue", folder / "s.saccade"});
+  ASSERT_EQ(run.exit_code, 0) << run.talk;
+  std::vector<std::int64_t> indices;
+  for (const FrameRecord& frame : SessionReader(folder / "s.saccade").frames()) indices.push_back(frame.index.value);
+  EXPECT_EQ(indices, (std::vector<std::int64_t>{0, 2, 4, 6, 8, 10}));
+}
+
+TEST(Continue, SettingsOfItsOwnAreRefusedAndTheSessionStays) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(runSaccade({"explore", "sim:desk", "--range", ":2", "-o", folder / "s.saccade"}).exit_code, 0);
+  const std::string before = readFile(folder / "s.saccade");
+  EXPECT_EQ(runSaccade({"explore", "--continue", folder / "s.saccade", "--no-ior"}).exit_code, 2);
+  EXPECT_EQ(runSaccade({"explore", "--continue", folder / "nothing.saccade", "sim:desk"}).exit_code, 1);
+  EXPECT_EQ(readFile(folder / "s.saccade"), before);
+}
+
+TEST(Continue, VerifyAndRepairSayWhatTheyFound) {
+  const TemporaryFolder folder;
+  const std::filesystem::path shipped = std::filesystem::path(SACCADE_SOURCE_DIR) / "maps" / "coffee.saccade";
+  const ProgramRun whole = runSaccade({"verify", shipped});
+  EXPECT_EQ(whole.exit_code, 0) << whole.talk;
+  EXPECT_NE(whole.output.find("is whole"), std::string::npos);
+  std::string bytes = readFile(shipped);
+  for (std::size_t i = bytes.size() / 2; i < bytes.size() / 2 + 8192; ++i) bytes[i] = 'x';
+  std::ofstream(folder / "damaged.saccade", std::ios::binary) << bytes;
+  const ProgramRun damaged = runSaccade({"verify", folder / "damaged.saccade"});
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_NE(damaged.talk.find("saccade repair"), std::string::npos) << damaged.talk;
+  const ProgramRun repair = runSaccade({"repair", folder / "damaged.saccade", "-o", folder / "repaired.saccade"});
+  EXPECT_EQ(repair.exit_code, 0) << repair.talk;
+  EXPECT_NE(repair.talk.find("kept what is whole"), std::string::npos) << repair.talk;
+  EXPECT_EQ(runSaccade({"verify", folder / "repaired.saccade"}).exit_code, 0);
+  EXPECT_EQ(runSaccade({"inspect", folder / "repaired.saccade"}).exit_code, 0);
+}
+
+TEST(SlowContinue, KillingTheProgramAtAHundredRandomMomentsNeverLeavesADamagedSession) {
+  std::mt19937 random(5);
+  int seen = 0;
+  for (int kill = 0; kill < 100; ++kill) {
+    const TemporaryFolder folder;
+    const std::filesystem::path session = folder / "s.saccade";
+    const bool before_the_first = kill % 10 == 9;
+    const double after_s = static_cast<double>(random() % 1000) / 1000.0;
+    const ProgramRun run =
+        test::killSaccade({"explore", "sim:desk?frames=100000", "-o", session, "--checkpoint-interval", "0.05"},
+                          before_the_first ? std::filesystem::path() : session, after_s);
+    EXPECT_EQ(run.exit_code, 128 + 9) << run.talk;
+    if (!std::filesystem::exists(session)) continue;
+    ++seen;
+    const SessionFindings findings = verifySession(session);
+    EXPECT_TRUE(findings.complaints.empty()) << "kill " << kill << ": " << findings.complaints.front();
+    EXPECT_EQ(SessionReader(folder / "s.saccade").metadata().state, SessionState::kExploring);
+    if (kill % 10 != 0) continue;
+    const ProgramRun on = runSaccade({"explore", "--continue", folder / "s.saccade", "sim:desk", "--range", "200:201"});
+    EXPECT_EQ(on.exit_code, 0) << on.talk;
+    EXPECT_EQ(SessionReader(folder / "s.saccade").metadata().state, SessionState::kComplete);
+  }
+  EXPECT_GE(seen, 90);
+}
+
+}  // namespace
+}  // namespace saccade
