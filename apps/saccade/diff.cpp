@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "given_transform.hpp"
 #include "saccade/exchange/map_difference.hpp"
 #include "saccade/exchange/map_merge.hpp"
 #include "saccade/exchange/map_points.hpp"
 #include "saccade/exchange/output_file.hpp"
 #include "saccade/objects/object_memory.hpp"
 #include "saccade/session/session_map.hpp"
+#include "session_frames.hpp"
 #include "terminal.hpp"
 
 namespace saccade::app {
@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string before, after, ply;
-  std::vector<double> transform;
+  SessionFrames frames;
   bool json = false, force = false;
   MapDifferenceConfig comparison;
 };
@@ -177,8 +177,8 @@ void run(const Options& options) {
   if (!options.ply.empty()) ply.emplace(options.ply, when_exists);
   const Side before(options.before);
   Side after(options.after);
-  const Pose T_AB = givenTransform(options.transform);
-  if (!options.transform.empty()) {
+  if (!options.frames.isSame()) {
+    const Pose T_AB = options.frames.resolve(before.session, after.session);
     after.map = resampleMap(after.map, T_AB, before.map.config());
     after.objects.clear();  // their blocks lie in the other frame
   }
@@ -198,10 +198,7 @@ void addDiff(CLI::App& program) {
   CLI::App* command = program.add_subcommand("diff", "Say what changed between two sessions of a scene");
   command->add_option("A", options->before, "the earlier session")->required();
   command->add_option("B", options->after, "the later session")->required();
-  command
-      ->add_option("--transform", options->transform,
-                   "tx ty tz qx qy qz qw that takes points of B's world frame to A's (default: the same frame)")
-      ->expected(7);
+  options->frames.addTo(*command);
   command->add_flag("--json", options->json, "print JSON");
   command->add_option("--ply", options->ply, "write both maps as points: gone red, appeared green, attended blue");
   command->add_option("--tolerance", options->comparison.tolerance_leaves, "leaves by which a surface may shift")

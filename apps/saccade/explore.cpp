@@ -14,6 +14,7 @@
 #include "saccade/core/config_file.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/inspection/picture_sinks.hpp"
+#include "saccade/objects/object_table.hpp"
 #include "saccade/pipeline/candidate_sink.hpp"
 #include "saccade/pipeline/explorer.hpp"
 #include "saccade/pipeline/trajectory_sink.hpp"
@@ -275,6 +276,7 @@ void run(Options options) {
 
   if (session != nullptr && interrupted()) session->noteInterrupted();
   for (const auto& sink : sinks) sink->finish();
+  if (!options.session.empty()) storeObjects(options.session);
   if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
   printTotals(totals, explorer, elapsed_s);
   printFiles(options);

@@ -8,8 +8,9 @@
 #include <fmt/format.h>
 
 #include "commands.hpp"
-#include "given_transform.hpp"
 #include "saccade/exchange/session_merge.hpp"
+#include "saccade/objects/object_table.hpp"
+#include "session_frames.hpp"
 #include "terminal.hpp"
 
 namespace saccade::app {
@@ -17,7 +18,7 @@ namespace {
 
 struct Options {
   std::string first, second, output;
-  std::vector<double> transform;
+  SessionFrames frames;
   bool force = false;
 };
 
@@ -26,7 +27,8 @@ void run(const Options& options) {
   const auto when_exists = options.force ? WhenSessionExists::kReplace : WhenSessionExists::kRefuse;
   const std::string now = fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)));
   const SessionMergeReport report =
-      mergeSessions(first, second, givenTransform(options.transform), options.output, when_exists, now);
+      mergeSessions(first, second, options.frames.resolve(first, second), options.output, when_exists, now);
+  const int objects = storeObjects(options.output);
   const auto count = [](auto n) { return grouped(static_cast<std::int64_t>(n)); };
   std::cerr << alignedTable({{"leaves", count(report.leaves)},
                              {"known to both", count(report.map.common)},
@@ -34,6 +36,7 @@ void run(const Options& options) {
                              {"surface bricks", count(report.bricks)},
                              {"frames", count(report.frames)},
                              {"keyframes", count(report.keyframes)},
+                             {"objects", count(objects)},
                              {"tick", count(report.tick)}});
   std::cerr << "written: " << std::filesystem::absolute(options.output).lexically_normal().string() << "\n";
 }
@@ -46,10 +49,7 @@ void addMerge(CLI::App& program) {
   command->add_option("A", options->first, "the session whose world frame and settings are kept")->required();
   command->add_option("B", options->second, "the session that is added to it")->required();
   command->add_option("-o,--output", options->output, "the session to write (*.saccade)")->required();
-  command
-      ->add_option("--transform", options->transform,
-                   "tx ty tz qx qy qz qw that takes points of B's world frame to A's (default: the same frame)")
-      ->expected(7);
+  options->frames.addTo(*command);
   command->add_flag("--force", options->force, "replace a session that exists");
   command->callback([options] { run(*options); });
 }

@@ -61,7 +61,8 @@ struct OneSided {
 OneSided lackingIn(const IorMap& map, const IorMap& other, int tolerance) {
   OneSided result;
   forEachOccupied(map, [&](const LeafKey& key, const MapLeaf&) {
-    if (anyNeighbour(key, tolerance, [&](const LeafKey& near) { return isOccupied(other, near); })) {
+    const auto occupied = [&](const LeafKey& near) { return isOccupied(other, near); };
+    if (occupied(key) || anyNeighbour(key, tolerance, occupied)) {
       ++result.same;
     } else if (other.findLeaf(key)) {
       result.changed.push_back(key);

@@ -64,16 +64,15 @@ ForgetSelection ForgetSelection::box(const Eigen::AlignedBox3d& box_W) {
 
 ForgetSelection ForgetSelection::object(const AttendedObject& object) {
   const auto contains = [blocks = object.blocks](const MapLeaf& leaf, double) {
-    // A coarse leaf holds whole blocks: those between its lowest and its highest one in order are not all within it,
-    // so each is asked for. Coarse leaves that remember anything are small.
-    const int edge = std::max(1, 1 << (MapTree::kDepth - leaf.key.depth) >> 1);
+    const LeafKey& corner = leaf.key.corner;
+    const int edge = 1 << (MapTree::kDepth - leaf.key.depth) >> 1;  // in blocks; 0 for the finest leaves
+    if (edge <= 1) return std::binary_search(blocks.begin(), blocks.end(), blockOf(corner));
     return std::any_of(blocks.begin(), blocks.end(), [&](const LeafBlock& block) {
       const LeafKey half = LeafKey::fromPacked(block.packed);
-      const auto within = [&](std::uint16_t part, std::uint16_t corner) {
-        return part >= corner >> 1 && part < (corner >> 1) + edge;
+      const auto within = [&](std::uint16_t part, std::uint16_t from) {
+        return part >= from >> 1 && part < (from >> 1) + edge;
       };
-      return within(half.x, leaf.key.corner.x) && within(half.y, leaf.key.corner.y) &&
-             within(half.z, leaf.key.corner.z);
+      return within(half.x, corner.x) && within(half.y, corner.y) && within(half.z, corner.z);
     });
   };
   return {contains, fmt::format("object {}", object.id.value)};

@@ -1,3 +1,6 @@
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -7,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
+#include <opencv2/imgproc.hpp>
 
 #include "saccade/discovery/coco_rle.hpp"
 #include "saccade/exchange/mrpt_scene.hpp"
@@ -201,6 +205,25 @@ TEST(Why, SaysWhichLooksInhibitAnObjectAndUntilWhen) {
   EXPECT_GT(why["first_forgotten_at_tick"].get<int>(), why["tick"].get<int>());
   EXPECT_NE(runSaccade({"inspect", kBefore, "why", id}).output.find("it will be forgotten"), std::string::npos);
   EXPECT_EQ(runSaccade({"inspect", kBefore, "why", "999999"}).exit_code, 2);
+}
+
+TEST(Objects, LieInTheSessionForAnySqliteProgram) {
+  SQLite::Database db(kBefore, SQLite::OPEN_READONLY);
+  const ProgramRun run = runSaccade({"inspect", kBefore, "objects", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.talk;
+  const nlohmann::json objects = nlohmann::json::parse(run.output)["objects"];
+  EXPECT_EQ(db.execAndGet("SELECT count(*) FROM objects").getInt(), static_cast<int>(objects.size()));
+  for (const auto& object : objects) {
+    SQLite::Statement row(db,
+                          "SELECT times_seen, leaves, (SELECT count(*) FROM object_looks WHERE object = id), "
+                          "(SELECT name FROM frames WHERE ordinal = best_ordinal) FROM objects WHERE id = ?");
+    row.bind(1, object["id"].get<int>());
+    ASSERT_TRUE(row.executeStep());
+    EXPECT_EQ(row.getColumn(0).getInt(), object["times_seen"].get<int>());
+    EXPECT_EQ(row.getColumn(1).getInt(), object["leaves"].get<int>());
+    EXPECT_EQ(row.getColumn(2).getInt(), object["times_seen"].get<int>());
+    EXPECT_EQ(row.getColumn(3).getString(), object["best_view"]["frame"].get<std::string>());
+  }
 }
 
 TEST(Forget, AnObjectIsForgottenAndTheRestIsNot) {

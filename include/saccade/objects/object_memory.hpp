@@ -110,7 +110,7 @@ class ObjectMemory {
 
 /// The objects of a whole log.
 [[nodiscard]] std::vector<AttendedObject> findObjects(const AttendLog& log, int least_looks = 2,
-                                                   const ObjectMemoryConfig& config = {});
+                                                      const ObjectMemoryConfig& config = {});
 
 /// The finest occupied leaves of the map within the object's blocks, in the order of the blocks.
 [[nodiscard]] std::vector<LeafKey> leavesOf(const AttendedObject& object, const IorMap& map);

@@ -88,21 +88,33 @@ TEST(OctomapFiles, AnIorOctreeComesBackWithItsMemoryTickAndLeafSize) {
 }
 
 TEST(OctomapFiles, AColorOctreeOpensInOctomapWithTheSameStatesAndColours) {
-  const IorMap map = randomMap(2);
+  IorMap map = randomMap(2);
+  for (int x = 0; x < 8; ++x) {  // leaves that were seen, in a place of their own
+    const octomap::OcTreeKey key = test::octoKey(MapTree::kCentreKey + 100 + 2 * x, 30'000, 30'000);
+    map.tree().setNodeValue(key, 2.0f);
+    map.tree().findFinestLeaf(key)->setSurface({10, 20, static_cast<std::uint8_t>(30 + x), 0, 0, 0, 4});
+  }
+  map.tree().updateInnerNodes();
   std::istringstream in(written([&](std::ostream& out) { writeColorOctree(map, LeafPaint::kColor, out); }));
   const std::unique_ptr<octomap::AbstractOcTree> opened(octomap::AbstractOcTree::read(in));
   const auto* tree = dynamic_cast<octomap::ColorOcTree*>(opened.get());
   ASSERT_NE(tree, nullptr);
   EXPECT_EQ(differingStates(*tree, map.tree(), kReach), 0);
-  int colored = 0;
+  int seen = 0, unseen = 0;
   map.forEachLeaf([&](const MapLeaf& leaf) {
-    if (!leaf.occupied || leaf.surface.observations == 0) return;
+    if (!leaf.occupied) return;
     const LeafKey& corner = leaf.key.corner;
     const octomap::ColorOcTreeNode* node = tree->search(octomap::OcTreeKey(corner.x, corner.y, corner.z));
-    EXPECT_EQ(node->getColor().r, leaf.surface.red);
-    ++colored;
+    if (leaf.surface.observations == 0) {
+      EXPECT_FALSE(node->isColorSet());
+      ++unseen;
+    } else {
+      EXPECT_EQ(node->getColor(), octomap::ColorOcTreeNode::Color(leaf.surface.red, 20, 10));
+      ++seen;
+    }
   });
-  EXPECT_EQ(colored, 0);  // fillRandomly() gives no observations: what nobody saw stays OctoMap's white
+  EXPECT_EQ(seen, 8);
+  EXPECT_GT(unseen, 100);
 }
 
 TEST(OctomapFiles, ABinaryOctreeOpensInOctomapWithTheSameStates) {
