@@ -66,15 +66,23 @@ CREATE TABLE keyframes (         -- frames by which a place is known again; imag
   features BLOB NOT NULL,        -- of the relocaliser
   features_crc32c INTEGER NOT NULL);
 
-CREATE TABLE state (             -- what going on needs besides map, surface volume, attend log and keyframes
-  name TEXT PRIMARY KEY, crc32c INTEGER NOT NULL, data BLOB NOT NULL) WITHOUT ROWID;
-
 CREATE TABLE tiles (             -- the octree, as subtrees
   key INTEGER PRIMARY KEY, items INTEGER NOT NULL, crc32c INTEGER NOT NULL, size INTEGER NOT NULL, data BLOB NOT NULL);
 CREATE TABLE bricks (            -- the surface volume
   key INTEGER PRIMARY KEY, items INTEGER NOT NULL, crc32c INTEGER NOT NULL, size INTEGER NOT NULL, data BLOB NOT NULL);
 CREATE TABLE attend_log (        -- one row a tick: the leaves of each attended candidate
   key INTEGER PRIMARY KEY, items INTEGER NOT NULL, crc32c INTEGER NOT NULL, size INTEGER NOT NULL, data BLOB NOT NULL);
+)sql";
+
+/// Also of format version 2, whose first files had none.
+constexpr const char* kStateTable = R"sql(
+CREATE TABLE state (             -- what going on needs besides map, surface volume, attend log and keyframes
+  name TEXT PRIMARY KEY, crc32c INTEGER NOT NULL, data BLOB NOT NULL) WITHOUT ROWID;
+)sql";
+
+/// What stands before a file without that table for a reader.
+constexpr const char* kViewOfNoState = R"sql(
+CREATE TEMP VIEW state AS SELECT '' AS name, 0 AS crc32c, x'' AS data WHERE 0;
 )sql";
 
 /// Makes a file of format version 1 look like version 2 to a reader: temporary views stand before its tables. There
@@ -90,7 +98,6 @@ CREATE TEMP VIEW metrics AS SELECT 0 AS ordinal, '' AS stages WHERE 0;
 CREATE TEMP VIEW candidates AS SELECT f.ordinal, c.* FROM main.candidates c JOIN main.frames f USING (frame);
 CREATE TEMP VIEW keyframes AS SELECT 0 AS ordinal, x'' AS T_WC, x'' AS color, 0 AS color_crc32c, x'' AS depth,
   0.0 AS depth_unit_m, 0 AS depth_crc32c, x'' AS features, 0 AS features_crc32c WHERE 0;
-CREATE TEMP VIEW state AS SELECT '' AS name, 0 AS crc32c, x'' AS data WHERE 0;
 )sql";
 
 }  // namespace saccade::schema

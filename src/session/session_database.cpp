@@ -26,12 +26,23 @@ int flagsOf(SessionDatabase::Access access) {
   return 0;
 }
 
+int touch(const std::filesystem::path& path, int flags) {
+  return SQLite::Database(path.string(), flags, kBusyTimeout_ms).tryExec("SELECT count(*) FROM sqlite_schema");
+}
+
+/// A writer that was killed while it changed the journal mode leaves a page to be put back, which a read-only
+/// connection may not do.
+void finishInterrupted(const std::filesystem::path& path) {
+  if (touch(path, SQLite::OPEN_READONLY) == SQLITE_READONLY) (void)touch(path, SQLite::OPEN_READWRITE);
+}
+
 SQLite::Database openSqlite(const std::filesystem::path& path, SessionDatabase::Access access) {
   std::error_code ignored;
   if (access != SessionDatabase::Access::kCreate && !std::filesystem::is_regular_file(path, ignored)) {
     throw IoError(path, "a session file", std::filesystem::exists(path, ignored) ? "a folder or device" : "nothing");
   }
   try {
+    if (access == SessionDatabase::Access::kRead) finishInterrupted(path);
     return SQLite::Database(path.string(), flagsOf(access), kBusyTimeout_ms);
   } catch (const SQLite::Exception& error) {
     throw IoError(path, "a session file that can be opened", error.what());
@@ -73,6 +84,7 @@ void SessionDatabase::create() {
     db_.exec("PRAGMA application_id = " + std::to_string(schema::kApplicationId));
     db_.exec("PRAGMA user_version = " + std::to_string(schema::kFormatVersion));
     db_.exec(schema::kTables);
+    db_.exec(schema::kStateTable);
     format_version_ = schema::kFormatVersion;
   });
 }
@@ -103,6 +115,9 @@ void SessionDatabase::open(Access access) {
                             .getInt();
     if (foreign != 0) throw IoError(path_, "only tables in a session", "views, triggers or computed tables");
     if (format_version_ == 1) db_.exec(schema::kViewsOfVersion1);
+    if (!db_.tableExists("state")) {
+      db_.exec(access == Access::kRead ? schema::kViewOfNoState : schema::kStateTable);
+    }
   });
 }
 

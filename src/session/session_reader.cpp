@@ -24,8 +24,8 @@ SessionMetadata readMetadata(const SessionDatabase& database) {
   while (query.executeStep()) rows[query.getColumn(0).getString()] = query.getColumn(1).getString();
   if (database.formatVersion() == 1) {
     rows["state"] = rows["interrupted"] == "true" ? "\"interrupted\"" : "\"complete\"";
-    rows["range_step"] = "1";
   }
+  rows.emplace("range_step", "1");  // not in the first files of version 2
   return metadataFromText(rows, database.path());
 }
 
