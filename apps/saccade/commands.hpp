@@ -11,5 +11,6 @@ void addSaliency(CLI::App& program);
 void addSimulate(CLI::App& program);
 void addEvaluate(CLI::App& program);
 void addTrain(CLI::App& program);
+void addRecord(CLI::App& program);
 
 }  // namespace saccade::app

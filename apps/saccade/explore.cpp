@@ -229,6 +229,7 @@ void run(const Options& options) {
   }
   for (const auto& sink : sinks) sink->finish();
   if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
+  sayHowItEnded(source.progress());
   printTotals(totals, explorer, elapsed_s);
   printFiles(options);
 }

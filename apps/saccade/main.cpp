@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
   saccade::app::addTrain(program);
+  saccade::app::addRecord(program);
   try {
     program.parse(argc, argv);
     return kDone;
