@@ -20,5 +20,6 @@ void addImport(CLI::App& program);
 void addForget(CLI::App& program);
 void addDiff(CLI::App& program);
 void addMerge(CLI::App& program);
+void addRecord(CLI::App& program);
 
 }  // namespace saccade::app

@@ -296,6 +296,7 @@ void run(Options options) {
   for (const auto& sink : sinks) sink->finish();
   if (!options.session.empty()) storeObjects(options.session);
   if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
+  sayHowItEnded(source.progress());
   printTotals(totals, explorer, elapsed_s);
   printFiles(options);
 }

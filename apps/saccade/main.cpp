@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   saccade::app::addForget(program);
   saccade::app::addDiff(program);
   saccade::app::addMerge(program);
+  saccade::app::addRecord(program);
   try {
     program.parse(argc, argv);
     return kDone;

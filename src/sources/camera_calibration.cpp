@@ -107,8 +107,14 @@ RgbdCalibration parseCalibration(const YAML::Node& root, const std::filesystem::
 RgbdCalibration loadCalibrationYaml(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file) throw IoError(path, "a camera calibration", "nothing that can be read");
+  std::stringstream text;
+  text << file.rdbuf();
+  return parseCalibrationYaml(text.str(), path);
+}
+
+RgbdCalibration parseCalibrationYaml(const std::string& yaml, const std::filesystem::path& path) {
   try {
-    return parseCalibration(YAML::Load(file), path);
+    return parseCalibration(YAML::Load(yaml), path);
   } catch (const YAML::Exception& error) {
     throw IoError(path, "a camera calibration in YAML", error.what());
   }

@@ -47,10 +47,16 @@ struct ReadAhead::Queue {
     thread.join();
   }
 
-  // The thread owns ring[(first + filled) % size] while it decodes; the reader touches only filled places.
+  // The thread owns ring[(first + filled) % size] while it decodes; the reader touches only filled places. A live
+  // source goes on whatever the reader does, so its oldest frame makes room.
   void decode() {
     for (bool last = false; !last;) {
       std::unique_lock lock(mutex);
+      if (description.is_live && filled == ring.size()) {
+        if (ring[first].status == ReadStatus::kFrame) ++dropped;
+        first = (first + 1) % ring.size();
+        --filled;
+      }
       changed.wait(lock, [this] { return stopped || filled < ring.size(); });
       if (stopped) return;
       Outcome& outcome = ring[(first + filled) % ring.size()];
@@ -58,8 +64,10 @@ struct ReadAhead::Queue {
 
       readInto(outcome);
       last = outcome.isLast();
+      const SourceProgress now = source->progress();
 
       lock.lock();
+      progress = now;
       ++filled;
       lock.unlock();
       changed.notify_all();
@@ -87,7 +95,9 @@ struct ReadAhead::Queue {
   std::vector<Outcome> ring;
   std::size_t first = 0, filled = 0;
   bool stopped = false;
-  std::thread thread;  // last: it starts when all above is ready
+  SourceProgress progress;   // of the source
+  std::int64_t dropped = 0;  // here
+  std::thread thread;        // last: it starts when all above is ready
 };
 
 ReadAhead::ReadAhead(std::unique_ptr<FrameSource> source, int frames_ahead) {
@@ -106,6 +116,13 @@ const SourceDescription& ReadAhead::description() const {
 
 const std::string& ReadAhead::skipReason() const {
   return queue_->skip_reason;
+}
+
+SourceProgress ReadAhead::progress() const {
+  const std::lock_guard lock(queue_->mutex);
+  SourceProgress progress = queue_->progress;
+  progress.dropped += queue_->dropped;
+  return progress;
 }
 
 ReadStatus ReadAhead::read(RgbdFrame& frame) {

@@ -1,12 +1,14 @@
 #include "saccade/sources/sensor_source.hpp"
 
 #include <array>
+#include <fstream>
 #include <stdexcept>
 
 #include "saccade/core/errors.hpp"
 #include "saccade/simulation/simulated_source.hpp"
 #include "sources/frame_list.hpp"
 #include "sources/frames_as_sensor.hpp"
+#include "sources/recording_files.hpp"
 
 namespace saccade {
 namespace {
@@ -54,7 +56,30 @@ std::unique_ptr<SensorSource> openFolder(const std::filesystem::path& folder, co
   throw IoError(folder, looked_for, contents(folder));
 }
 
+constexpr const char* kCameraPrefix = "openni2:";
+
+/// Opens a recording in one file; the first bytes tell the kind, whatever its name.
+std::unique_ptr<SensorSource> openFile(const std::filesystem::path& path, const FrameRange& range) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(16, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  if (head.starts_with("#ROSBAG V2.0")) return openBag(path, range);
+  if (head.starts_with("NI10")) return openOni(path, range);
+  // Rawlogs may be packed, or not; inside they have no mark of their own.
+  if (head.starts_with("\x1f\x8b") || path.extension() == ".rawlog") return openRawlog(path, range);
+  throw IoError(path, "a folder of frames, or a recording of OpenNI2 (.oni), MRPT (.rawlog) or ROS 1 (.bag)",
+                head.empty() ? "a file that is empty or cannot be read" : "a file of another kind");
+}
+
 }  // namespace
+
+std::optional<RgbdCalibration> findSideCalibration(const std::filesystem::path& file) {
+  std::filesystem::path side = file;
+  side += ".yaml";
+  if (!std::filesystem::exists(side)) return std::nullopt;
+  return loadCalibrationYaml(side);
+}
 
 std::unique_ptr<SensorSource> openSensorSource(const std::string& input, const FrameRange& range,
                                                const std::filesystem::path& labels) {
@@ -63,15 +88,16 @@ std::unique_ptr<SensorSource> openSensorSource(const std::string& input, const F
                                 " and " + std::to_string(range.step));
   }
   if (SimulationRequest::matches(input)) return std::make_unique<FramesAsSensor>(openSource(input, range, labels));
+  const bool camera = input.starts_with(kCameraPrefix);
   const std::filesystem::path path(input);
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    throw IoError(path, "a folder of RGB-D frames, a recording or sim:SCENE", "nothing of that name");
+  if (!camera && !std::filesystem::exists(path, error)) {
+    throw IoError(path, "a folder of RGB-D frames, a recording, openni2: or sim:SCENE", "nothing of that name");
   }
-  if (!std::filesystem::is_directory(path, error)) {
-    throw IoError(path, "a folder of RGB-D frames, a recording or sim:SCENE", "a file of another kind");
-  }
-  return openFolder(path, range, labels);
+  if (!camera && std::filesystem::is_directory(path, error)) return openFolder(path, range, labels);
+  if (!labels.empty()) throw IoError(labels, "labels for a folder of frames", "labels for another kind of input");
+  if (camera) return openOpenNi2(input.substr(std::string(kCameraPrefix).size()), range);
+  return openFile(path, range);
 }
 
 }  // namespace saccade

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <fstream>
 #include <map>
 #include <string_view>
 
 #include "saccade/core/errors.hpp"
 #include "sources/frame_list.hpp"
 #include "sources/pose_lines.hpp"
+#include "sources/text_numbers.hpp"
 
 namespace saccade {
 namespace {
@@ -47,6 +50,24 @@ RgbdCalibration findCalibration(const std::filesystem::path& folder, std::vector
   return usual;
 }
 
+/// Stamps by frame name from `timestamps.txt`, which recordings of ours have beside the layout's own files.
+std::map<std::string, double> readStamps(const std::filesystem::path& folder) {
+  std::map<std::string, double> stamps;
+  const std::filesystem::path path = folder / "timestamps.txt";
+  std::ifstream file(path);
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::vector<std::string_view> words = splitWords(line);
+    if (words.empty() || words[0].front() == '#') continue;
+    const std::optional<double> stamp_s = words.size() == 2 ? parseNumber(words[1]) : std::nullopt;
+    if (!stamp_s || !std::isfinite(*stamp_s)) {
+      throw IoError(path, "\"frame seconds\" in line " + std::to_string(number), inQuotes(line));
+    }
+    stamps[std::string(words[0])] = *stamp_s;
+  }
+  return stamps;
+}
+
 }  // namespace
 
 bool looksLikeSevenScenes(const std::filesystem::path& folder) {
@@ -67,6 +88,11 @@ FrameList listSevenScenes(const std::filesystem::path& folder) {
     files.stamp_s = static_cast<double>(part->number) / kUsualFramesPerSecond;
     if (isColor(part->suffix)) files.color = entry.path();
     if (part->suffix == "depth.png") files.depth = entry.path();
+  }
+
+  const std::map<std::string, double> stamps = readStamps(folder);
+  for (auto& [number, files] : found) {
+    if (const auto stamp = stamps.find(files.name); stamp != stamps.end()) files.stamp_s = stamp->second;
   }
 
   FrameList list;

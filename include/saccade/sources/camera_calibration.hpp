@@ -36,6 +36,9 @@ struct RgbdCalibration {
 /// followed by the same `depth` and `T_color_depth`. Throws IoError.
 [[nodiscard]] RgbdCalibration loadCalibrationYaml(const std::filesystem::path& path);
 
+/// The same from the text of a YAML; `path` is what errors name.
+[[nodiscard]] RgbdCalibration parseCalibrationYaml(const std::string& yaml, const std::filesystem::path& path);
+
 /// The YAML that loadCalibrationYaml() reads back to the same numbers.
 [[nodiscard]] std::string calibrationYaml(const RgbdCalibration& calibration);
 

@@ -25,6 +25,7 @@ class ReadAhead final : public FrameSource {
   /// Swaps the next decoded frame with `frame`; waits where the thread is behind.
   [[nodiscard]] ReadStatus read(RgbdFrame& frame) override;
   [[nodiscard]] const std::string& skipReason() const override;
+  [[nodiscard]] SourceProgress progress() const override;
 
  private:
   struct Queue;

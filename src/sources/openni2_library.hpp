@@ -1,0 +1,47 @@
+#pragma once
+
+#include <OpenNI.h>
+#include <filesystem>
+#include <string>
+
+#include "saccade/sources/camera_calibration.hpp"
+
+namespace saccade {
+
+/// OpenNI2 while somebody needs it: the first of these starts it, the last one shuts it down.
+class OpenNi2Library {
+ public:
+  /// Throws IoError, with `what` in the place of a path, if OpenNI2 does not start.
+  explicit OpenNi2Library(const std::string& what);
+  ~OpenNi2Library();
+  OpenNi2Library(const OpenNi2Library&) = delete;
+  OpenNi2Library& operator=(const OpenNi2Library&) = delete;
+};
+
+/// What OpenNI2 said about its last failure, on one line.
+[[nodiscard]] std::string openNi2Error();
+
+/// The colour and depth stream of one device, opened together.
+struct OpenNi2Streams {
+  openni::Device device;
+  openni::VideoStream color, depth;
+
+  ~OpenNi2Streams() { close(); }
+  /// Opens the device (`uri` null: the first) and both streams, does not start them. Throws IoError.
+  void open(const char* uri, const std::string& what);
+  void close();
+};
+
+/// Units per metre of a depth stream's pixels. Throws IoError if they are no measure of depth.
+[[nodiscard]] double depthUnitsPerMetre(const openni::VideoStream& depth, const std::string& what);
+
+/// The calibration of a device: what its driver tells in full (the virtual camera does), else what follows from the
+/// fields of view. A remark says what had to be assumed. Throws IoError if there is nothing to go by.
+[[nodiscard]] RgbdCalibration calibrationOf(const OpenNi2Streams& streams, const std::string& what,
+                                            std::vector<std::string>& remarks);
+
+/// Pixels of a frame, without gaps between rows, as OpenCV has them.
+void copyColor(const openni::VideoFrameRef& frame, cv::Mat3b& bgr);
+void copyDepth(const openni::VideoFrameRef& frame, cv::Mat1w& raw);
+
+}  // namespace saccade
