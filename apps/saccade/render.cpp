@@ -12,9 +12,9 @@
 #include "saccade/inspection/camera_path.hpp"
 #include "saccade/inspection/layer_picture.hpp"
 #include "saccade/inspection/scene_frame.hpp"
-#include "saccade/session/session_map.hpp"
 #include "saccade/inspection/video_writer.hpp"
 #include "saccade/rendering/renderer.hpp"
+#include "saccade/session/session_map.hpp"
 #include "saccade/session/session_reader.hpp"
 #include "terminal.hpp"
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <rosbag/bag.h>
 
 #include "saccade/core/errors.hpp"
@@ -73,8 +74,8 @@ class BagRecorder final : public RecordingWriter {
                     "depth along the rays; record it to another kind");
     }
     guarded([&] {
-      bag_.open(file_.partialPath().string(), rosbag::bagmode::Write);
-      bag_.setCompression(rosbag::compression::LZ4);
+      bag_->open(file_.partialPath().string(), rosbag::bagmode::Write);
+      bag_->setCompression(rosbag::compression::LZ4);
     });
   }
 
@@ -83,29 +84,31 @@ class BagRecorder final : public RecordingWriter {
     const std::int64_t stamp_ns = stampIn(kNanoseconds, frame.stamp_s);
     const ros::Time stamp(static_cast<std::uint32_t>(stamp_ns / kPerSecond),
                           static_cast<std::uint32_t>(stamp_ns % kPerSecond));
+    // Readers get messages of one time in any order, so transforms are logged 1 ns before the images that need them.
     // A bag may not hold the time 0, which ROS takes for "none".
-    const ros::Time logged = std::max(stamp, ros::TIME_MIN);
+    const ros::Duration step(0, 1);
+    const ros::Time logged = std::max(stamp, ros::TIME_MIN + step), before = logged - step;
     guarded([&] {
-      if (written_++ == 0) writeStatic(logged);
+      if (written_++ == 0) writeStatic(before);
       if (frame.T_WC) {
-        bag_.write("/tf", logged, TransformMessage{{transformOf(*frame.T_WC, kWorldFrame, kColorFrame, stamp)}});
+        bag_->write("/tf", before, TransformMessage{{transformOf(*frame.T_WC, kWorldFrame, kColorFrame, stamp)}});
       }
       color_.header.stamp = color_info_.header.stamp = depth_.header.stamp = depth_info_.header.stamp = stamp;
       color_.header.frame_id = color_info_.header.frame_id;
       depth_.header.frame_id = depth_info_.header.frame_id;
       setPixels(frame.color, "bgr8", color_);
-      bag_.write("/camera/rgb/camera_info", logged, color_info_);
-      bag_.write("/camera/rgb/image_raw", logged, color_);
+      bag_->write("/camera/rgb/camera_info", logged, color_info_);
+      bag_->write("/camera/rgb/image_raw", logged, color_);
       if (!frame.hasDepth()) return;
       setDepth(frame);
-      bag_.write(depth_topic_ + "camera_info", logged, depth_info_);
-      bag_.write(depth_topic_ + "image_raw", logged, depth_);
+      bag_->write(depth_topic_ + "camera_info", logged, depth_info_);
+      bag_->write(depth_topic_ + "image_raw", logged, depth_);
     });
     lost_labels_ |= !frame.label.empty();
   }
 
   void finish() override {
-    guarded([&] { bag_.close(); });
+    guarded([&] { bag_->close(); });
     file_.complete();
   }
 
@@ -117,9 +120,12 @@ class BagRecorder final : public RecordingWriter {
  private:
   template <typename Action>
   void guarded(const Action& action) {
+    if (!bag_) throw IoError(file_.partialPath(), "a bag that can be written", "one that failed before");
     try {
       action();
     } catch (const std::exception& error) {
+      // Its destructor would write again, throw again and so end the program: a broken bag is left alone instead.
+      (void)bag_.release();
       throw IoError(file_.partialPath(), "room for the recording", error.what());
     }
   }
@@ -127,7 +133,7 @@ class BagRecorder final : public RecordingWriter {
   void writeStatic(const ros::Time& logged) {
     if (!calibration_.depth) return;
     const Pose T_CD = calibration_.depth->T_CD;
-    bag_.write("/tf_static", logged, TransformMessage{{transformOf(T_CD, kColorFrame, kDepthFrame, logged)}});
+    bag_->write("/tf_static", logged, TransformMessage{{transformOf(T_CD, kColorFrame, kDepthFrame, logged)}});
   }
 
   void setDepth(const SensorFrame& frame) {
@@ -147,7 +153,7 @@ class BagRecorder final : public RecordingWriter {
 
   PartialFile file_;
   RgbdCalibration calibration_;
-  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();
   std::string depth_topic_;
   CameraInfoMessage color_info_, depth_info_;
   ImageMessage color_, depth_;

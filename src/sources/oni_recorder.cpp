@@ -1,4 +1,7 @@
+#include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <thread>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -61,6 +64,7 @@ class OniRecorder final : public RecordingWriter {
   }
 
   void finish() override {
+    awaitLastFrame();
     recorder_.stop();
     recorder_.destroy();
     streams_.close();
@@ -82,6 +86,22 @@ class OniRecorder final : public RecordingWriter {
   }
 
  private:
+  /// OpenNI2 records on a thread of its own and forgets what is on the way when it is stopped, without a word. So the
+  /// file must have stopped growing; requireAllFrames() judges whether that was enough.
+  void awaitLastFrame() const {
+    using namespace std::chrono_literals;
+    constexpr auto kStep = 20ms, kQuiet = 300ms, kPatience = 20000ms;
+    std::uintmax_t last_size = 0;
+    auto quiet = 0ms;
+    for (auto waited = 0ms; waited < kPatience && quiet < kQuiet; waited += kStep) {
+      std::this_thread::sleep_for(kStep);
+      std::error_code unknown;
+      const std::uintmax_t size = std::filesystem::file_size(file_.partialPath(), unknown);
+      quiet = !unknown && size == last_size ? quiet + kStep : 0ms;
+      last_size = size;
+    }
+  }
+
   /// OpenNI2 does not tell when a disk is full; the recording does, when it is opened again.
   void requireAllFrames() const {
     openni::Device device;

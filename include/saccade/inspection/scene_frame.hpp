@@ -9,7 +9,7 @@ namespace saccade {
 /// Where a map lies in the world and which way is up in it: what pictures are composed by.
 struct SceneFrame {
   Eigen::Vector3d up_W = -Eigen::Vector3d::UnitY();  ///< unit length
-  Eigen::AlignedBox3d box;                           ///< of the occupied leaves but for a few strays; empty for a map without any
+  Eigen::AlignedBox3d box;  ///< of the occupied leaves but for a few strays; empty for a map without any
   [[nodiscard]] bool empty() const { return box.isEmpty(); }
 };
 

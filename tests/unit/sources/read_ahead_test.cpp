@@ -33,6 +33,8 @@ class CountingSource final : public FrameSource {
   }
   [[nodiscard]] const std::string& skipReason() const override { return reason_; }
 
+  void makeLive() { description_.is_live = true; }
+
   std::set<const uchar*> buffers_;
   std::atomic<int> reads_{0};
 
@@ -94,6 +96,25 @@ TEST(ReadAhead, PassesAnExceptionOnInItsPlaceAndAgainLater) {
   for (int i = 0; i < 3; ++i) ASSERT_EQ(ahead.read(frame), ReadStatus::kFrame);
   EXPECT_THROW((void)ahead.read(frame), std::runtime_error);
   EXPECT_THROW((void)ahead.read(frame), std::runtime_error);
+}
+
+TEST(ReadAhead, DropsTheOldestOfALiveSourceAndCountsThem) {
+  auto owned = std::make_unique<CountingSource>(50);
+  CountingSource* source = owned.get();
+  source->makeLive();
+  ReadAhead ahead(std::move(owned), 3);
+  while (source->reads_ < 50) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  RgbdFrame frame;
+  std::int64_t last = -1, frames = 0;
+  while (ahead.read(frame) == ReadStatus::kFrame) {
+    EXPECT_GT(frame.index.value, last) << "the order stays";
+    EXPECT_EQ(frame.color(1, 1)[0], frame.index.value);
+    last = frame.index.value;
+    ++frames;
+  }
+  EXPECT_EQ(last, 49) << "the newest is never dropped";
+  EXPECT_GT(ahead.progress().dropped, 0);
+  EXPECT_EQ(frames + ahead.progress().dropped, 50);
 }
 
 TEST(ReadAhead, StopsCleanlyAtAnyMoment) {
