@@ -31,6 +31,11 @@ bool CheckpointThread::idle() {
   return in_work_ == nullptr;
 }
 
+void CheckpointThread::waitUntilIdle() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return in_work_ == nullptr; });
+}
+
 void CheckpointThread::write(std::unique_ptr<Checkpoint>& checkpoint) {
   {
     const std::lock_guard lock(mutex_);

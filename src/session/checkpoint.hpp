@@ -39,6 +39,7 @@ class CheckpointThread {
 
   /// Whether the last checkpoint is durable. Throws what writing it threw.
   [[nodiscard]] bool idle();
+  void waitUntilIdle();
   /// Takes what `checkpoint` holds and leaves an empty one to be filled. Only when idle().
   void write(std::unique_ptr<Checkpoint>& checkpoint);
   /// Waits, then writes the last checkpoint and ends the session. Throws what either threw.

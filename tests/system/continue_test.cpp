@@ -104,6 +104,40 @@ TEST(Continue, AnExplorationOfARealKitchenThatStoppedGoesOnAsIfItHadNot) {
   expectTheLaw(kitchen, 20, 40, "2");
 }
 
+TEST(MapMemory, AnExplorationThatPagesItsMapIsTheSameAsOneThatKeepsIt) {
+  const TemporaryFolder folder;
+  const auto explore = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"explore", "--poses", "dataset", "--checkpoint-interval", "0"});
+    ProgramRun run = runSaccade(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.talk;
+    return run.talk;
+  };
+  // Steps of 400 frames walk through the flat's rooms and back; leaves of 3 cm keep the test short.
+  const std::vector<std::string> walk = {"sim:flat", "--set", "map.leaf_size_m=0.03", "--set", "surface.cell_m=0.03"};
+  std::vector<std::string> whole = walk, paged = walk;
+  whole.insert(whole.end(), {"--range", "::400", "-o", folder / "whole.saccade"});
+  paged.insert(paged.end(), {"--range", ":3200:400", "-o", folder / "paged.saccade", "--map-memory", "4"});
+  explore(whole);
+  const std::string first = explore(paged);
+  const std::string second =
+      explore({"--continue", folder / "paged.saccade", "sim:flat", "--range", "3200::400", "--map-memory", "4"});
+  expectSameExploration(folder / "whole.saccade", folder / "paged.saccade");
+  const SessionFindings findings = verifySession(folder / "paged.saccade");
+  EXPECT_TRUE(findings.complaints.empty()) << findings.complaints.front();
+  for (const std::string& talk : {first, second}) {
+    const std::size_t at = talk.find("map paging:");
+    ASSERT_NE(at, std::string::npos) << talk;
+    EXPECT_EQ(talk.find(" 0 parts dropped", at), std::string::npos) << talk;
+    EXPECT_EQ(talk.find(" 0 brought back", at), std::string::npos) << talk;
+  }
+}
+
+TEST(MapMemory, NeedsASessionToPageTo) {
+  const ProgramRun run = runSaccade({"explore", "sim:desk", "--range", ":1", "--map-memory", "100"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.talk.find("-o S"), std::string::npos) << run.talk;
+}
+
 TEST(Continue, GoesOnBehindTheLastFrameWithTheStepOfBefore) {
   const TemporaryFolder folder;
   ASSERT_EQ(runSaccade({"explore", "sim:desk?frames=12", "--range", ":6:2", "-o", folder / "s.saccade"}).exit_code, 0);
