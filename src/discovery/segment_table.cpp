@@ -352,9 +352,11 @@ void SegmentTable::sortEdges() {
   forEachSide([&](std::int32_t segment, const SegmentEdge&) { ++edge_begin_[static_cast<std::size_t>(segment) + 1]; });
   for (std::size_t i = 1; i < edge_begin_.size(); ++i) edge_begin_[i] += edge_begin_[i - 1];
   edges_.resize(edge_begin_.back());
-  std::vector<std::size_t> next(edge_begin_.begin(), edge_begin_.end() - 1);
-  forEachSide(
-      [&](std::int32_t segment, const SegmentEdge& edge) { edges_[next[static_cast<std::size_t>(segment)]++] = edge; });
+  forEachSide([&](std::int32_t segment, const SegmentEdge& edge) {
+    edges_[edge_begin_[static_cast<std::size_t>(segment)]++] = edge;  // moves every begin to its end
+  });
+  std::copy_backward(edge_begin_.begin(), edge_begin_.end() - 1, edge_begin_.end());
+  edge_begin_[0] = 0;
   for (std::size_t s = 0; s < sums_.size(); ++s) {
     std::sort(edges_.begin() + static_cast<std::ptrdiff_t>(edge_begin_[s]),
               edges_.begin() + static_cast<std::ptrdiff_t>(edge_begin_[s + 1]),

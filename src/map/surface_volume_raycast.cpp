@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/fill_image.hpp"
 #include "core/lanes.hpp"
 #include "map/ray_march.hpp"
 #include "map/surface_volume_scratch.hpp"
@@ -10,9 +11,9 @@ namespace {
 
 constexpr int kSide = SurfaceBrick::kSide;
 
-// The visible bricks as a dense array; positions are relative to its first brick.
 }  // namespace
 
+/// The visible bricks as a dense array; positions are relative to its first brick.
 void SurfaceVolume::buildDirectory() const {
   Scratch& s = *scratch_;
   Eigen::Vector3i low = Eigen::Vector3i::Constant(INT32_MAX);
@@ -62,8 +63,8 @@ void SurfaceVolume::rayCast(const PinholeCamera& camera, const Pose& T_WM, Model
   view.T_WM = T_WM;
   view.depth_m.create(camera.height, camera.width);
   view.normals.create(camera.height, camera.width);
-  view.depth_m.setTo(0.0F);
-  view.normals.setTo(cv::Scalar::all(0.0));
+  fillImage(view.depth_m, 0.0F);
+  fillImage(view.normals, cv::Vec3f());
   findVisible(camera, T_WM);
   if (scratch_->visible.empty()) return;
   buildDirectory();

@@ -32,6 +32,15 @@ namespace {
 /// The model is looked at with a camera of half the resolution: tracking uses every second pixel.
 constexpr int kModelReduction = 2;
 
+/// Tasks that run beside the frame's own thread, where another is idle, and end with their scope at the latest.
+class TasksBeside : public tbb::task_group {
+ public:
+  TasksBeside() = default;
+  ~TasksBeside() { wait(); }
+  TasksBeside(const TasksBeside&) = delete;
+  TasksBeside& operator=(const TasksBeside&) = delete;
+};
+
 }  // namespace
 
 /// The stages of figure 1 and what they keep from frame to frame.
@@ -71,15 +80,17 @@ struct Explorer::Stages {
 
   ModelView model;
   std::vector<LeafKey> forgotten;  ///< leaves that this frame's integration freed
+  StageClock surface_clock;        ///< of what is done to the surface volume beside the rest
 
   void bringBack(const Pose& T_WC);
   Tracking track(const DepthMaps& depth, double stamp_s, StageClock& clock);
   void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
   void remember(std::shared_ptr<const Keyframe> keyframe);
-  const IorView* mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking, StageClock& clock);
+  const IorView* mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking, StageClock& clock,
+                          TasksBeside& beside);
   [[nodiscard]] const FrameLook& lookAtDepth(const RgbdFrame& frame);
   FrameLook& lookAndMap(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed,
-                        FrameReport& report, StageClock& clock);
+                        FrameReport& report, StageClock& clock, TasksBeside& beside);
   [[nodiscard]] bool becomesKeyframe(const FrameLook& look, const Tracking& tracking) const;
   void attend(FrameReport& report);
 };
@@ -127,14 +138,16 @@ void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
   keyframes.add(std::move(keyframe));
 }
 
-/// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost.
+/// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost. The
+/// surface volume, which nobody asks before the next frame, learns `beside` the map.
 const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking,
-                                          StageClock& clock) {
+                                          StageClock& clock, TasksBeside& beside) {
+  surface_clock = StageClock();
   if (tracking.status == TrackingStatus::kLost) return nullptr;
   motion.observe(frame.stamp_s, tracking.T_WC);
   bringBack(tracking.T_WC);
   if (tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty()) {
-    clock.time("integrate surface", [&] { surface.integrate(depth, tracking.T_WC); });
+    beside.run([&] { surface_clock.time("integrate surface", [&] { surface.integrate(depth, tracking.T_WC); }); });
     forgotten = clock.time("integrate map", [&] { return map.integrate(depth, frame.color, tracking.T_WC).forgotten; });
   }
   return clock.time("2D IOR map", [&] { return &renderer.renderIor(map.view(), camera, tracking.T_WC); });
@@ -281,14 +294,14 @@ const FrameLook& Explorer::Stages::lookAtDepth(const RgbdFrame& frame) {
 /// Looks at the frame, or takes the look begun ahead, and tracks and maps. The attention branch needs only the frame:
 /// it runs beside the map branch of the same frame, or of the one before.
 FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame* next,
-                                        const std::optional<Tracking>& believed, FrameReport& report,
-                                        StageClock& clock) {
+                                        const std::optional<Tracking>& believed, FrameReport& report, StageClock& clock,
+                                        TasksBeside& beside) {
   FrameLook* ahead = clock.time("wait for perception", [&] { return looks.takeAhead(frame); });
   FrameLook& look = ahead != nullptr ? *ahead : looks.prepare(frame);
   const auto map_branch = [&] {
     report.tracking = believed ? *believed : track(look.depth, frame.stamp_s, clock);
     if (!believed) relocalise(frame, look.depth, report, clock);
-    report.ior = mapFrame(frame, look.depth, report.tracking, clock);
+    report.ior = mapFrame(frame, look.depth, report.tracking, clock, beside);
     if (report.relocalised) motion.rest();  // the jump was no motion
   };
   if (ahead != nullptr) {
@@ -312,14 +325,14 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
   report.name = frame.name;
   report.stamp_s = frame.stamp_s;
   StageClock clock;
+  TasksBeside beside;
 
-  FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
+  FrameLook& look = s.lookAndMap(frame, next, believed, report, clock, beside);
   report.seen = &look.seen;
   report.depth = look.has_depth ? &look.depth : nullptr;
 
-  tbb::task_group remembering;  // a keyframe's features: beside the ranking, which needs one thread
   if (s.becomesKeyframe(look, report.tracking)) {
-    remembering.run([&] {
+    beside.run([&] {
       report.keyframe = std::make_shared<const Keyframe>(
           Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, look.depth)});
     });
@@ -333,11 +346,13 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
   report.inhibited = std::move(split.inhibited);
 
   if (report.tracking.status != TrackingStatus::kLost) clock.time("attend", [&] { s.attend(report); });
-  remembering.wait();
+  beside.wait();
   if (report.keyframe) s.remember(report.keyframe);
   report.tick = s.map.now();
   report.stages = look.times;
-  report.stages.insert(report.stages.end(), clock.stages().begin(), clock.stages().end());
+  for (const StageClock* branch : {&s.surface_clock, &clock}) {
+    report.stages.insert(report.stages.end(), branch->stages().begin(), branch->stages().end());
+  }
   report.total_ms = clock.total_ms();
   return report;
 }

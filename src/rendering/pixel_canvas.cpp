@@ -1,10 +1,12 @@
 #include "rendering/pixel_canvas.hpp"
 
+#include "core/fill_image.hpp"
+
 namespace saccade {
 
 void PixelCanvas::reset(cv::Mat1f& inverse_depth, cv::Mat1i& leaf) {
-  inverse_depth.setTo(0.0f);
-  leaf.setTo(-1);
+  fillImage(inverse_depth, 0.0f);
+  fillImage(leaf, -1);
   inverse_depth_ = inverse_depth[0];
   leaf_ = leaf[0];
   stride_ = leaf.cols;

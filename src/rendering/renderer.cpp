@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/fill_image.hpp"
 #include "rendering/octree_walk.hpp"
 #include "rendering/pixel_canvas.hpp"
 #include "rendering/ray_grid.hpp"
@@ -91,7 +92,7 @@ void Renderer::Buffers::finishImages() {
       for (int u = 0; u < ior.camera.width; ++u) row[u] = leaf_inhibited[static_cast<std::size_t>(leaf_index[u] + 1)];
     }
   }
-  if (!any_inhibited) ior.inhibited.setTo(0);
+  if (!any_inhibited) fillImage(ior.inhibited, std::uint8_t{0});
 }
 
 /// Fills the pictures beside the IorView.

@@ -1,4 +1,4 @@
-// Candidates: tables of the segments' sums, proposals, features, the SVM and the ranking.
+// Candidates: tables of the segments' sums, proposals, features, the SVM and the ranking, beside proposals of OpenCV.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include "saccade/discovery/inhibition.hpp"
 #include "saccade/discovery/proposals.hpp"
 #include "saccade/discovery/ranker.hpp"
+#include "saccade/evaluation/rival_proposals.hpp"
 
 namespace saccade::bench {
 namespace {
@@ -113,6 +114,20 @@ void perceiveFrame(benchmark::State& state) {
   }
 }
 BENCHMARK(perceiveFrame)->Unit(benchmark::kMillisecond);
+
+void proposeBySelectiveSearch(benchmark::State& state) {
+  const std::vector<PerceivedFrame>& frames = perceivedFrames();
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(selectiveSearchBoxes(frames[i++ % frames.size()].color).size());
+}
+BENCHMARK(proposeBySelectiveSearch)->Unit(benchmark::kMillisecond)->Iterations(2);
+
+void proposeByEdgeBoxes(benchmark::State& state) {
+  const std::vector<PerceivedFrame>& frames = perceivedFrames();
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(edgeBoxes(frames[i++ % frames.size()].color).size());
+}
+BENCHMARK(proposeByEdgeBoxes)->Unit(benchmark::kMillisecond)->Iterations(5);
 
 }  // namespace
 }  // namespace saccade::bench

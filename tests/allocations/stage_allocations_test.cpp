@@ -1,0 +1,138 @@
+// In the steady state the stages take no fresh memory: their buffers have grown to what frames need.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core/utility.hpp>
+#include <tbb/global_control.h>
+
+#include "allocations/counted_allocations.hpp"
+#include "saccade/core/depth_maps.hpp"
+#include "saccade/discovery/candidate_outline.hpp"
+#include "saccade/discovery/perceiver.hpp"
+#include "saccade/map/ior_map.hpp"
+#include "saccade/map/surface_volume.hpp"
+#include "saccade/rendering/renderer.hpp"
+#include "saccade/sources/frame_source.hpp"
+#include "saccade/tracking/tracker.hpp"
+
+namespace saccade {
+namespace {
+
+struct Frame {
+  cv::Mat3b color;
+  cv::Mat1f depth_m;
+  DepthMaps depth;
+  Pose T_WC;
+  Perception seen;
+};
+
+/// Some frames of the simulated desk, prepared and perceived.
+struct Desk {
+  PinholeCamera camera;
+  std::vector<std::unique_ptr<Frame>> frames;
+};
+
+const Desk& desk() {
+  static const Desk read = [] {
+    cv::setNumThreads(1);
+    const auto source = openSource("sim:desk?frames=3", {});
+    Desk result;
+    result.camera = source->description().camera;
+    DepthPreparation preparation;
+    RgbdFrame frame;
+    while (source->read(frame) == ReadStatus::kFrame) {
+      Frame& kept = *result.frames.emplace_back(std::make_unique<Frame>());
+      kept.color = frame.color.clone();
+      kept.depth_m = frame.depth_m.clone();
+      kept.T_WC = frame.T_WC.value();
+      preparation.prepare(kept.depth_m, result.camera, kept.depth);
+      Perceiver().perceive(kept.color, &kept.depth, kept.seen);
+    }
+    return result;
+  }();
+  return read;
+}
+
+/// Runs the stage over the frames until it knows them all, then counts what it allocates for each of them anew.
+std::size_t mostAllocations(const std::function<void(const Frame&)>& stage) {
+  constexpr int kWarmLaps = 2;
+  for (int lap = 0; lap < kWarmLaps; ++lap) {
+    for (const auto& frame : desk().frames) stage(*frame);
+  }
+  std::size_t most = 0;
+  for (const auto& frame : desk().frames) {
+    const std::size_t before = test::allocationsSoFar();
+    stage(*frame);
+    most = std::max(most, test::allocationsSoFar() - before);
+  }
+  return most;
+}
+
+TEST(Allocations, AreCounted) {
+  const std::size_t before = test::allocationsSoFar();
+  std::vector<int> fresh(100);
+  const cv::Mat1f image(10, 10);
+  ASSERT_FALSE(fresh.empty() || image.empty());
+  EXPECT_GE(test::allocationsSoFar() - before, 2u);
+}
+
+TEST(Allocations, PreparingDepthTakesNone) {
+  DepthPreparation preparation;
+  DepthMaps maps;
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { preparation.prepare(f.depth_m, desk().camera, maps); }), 0u);
+}
+
+TEST(Allocations, SaliencyTakesNone) {
+  SaliencyModel saliency;
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { saliency.compute(f.color); }), 0u);
+}
+
+TEST(Allocations, ColourSegmentsTakeNone) {
+  ColorSegmenter segmenter;
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { segmenter.segment(f.color); }), 0u);
+}
+
+TEST(Allocations, SurfaceSegmentsTakeNone) {
+  SurfaceSegmenter segmenter;
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { segmenter.segment(f.depth); }), 0u);
+}
+
+TEST(Allocations, SegmentTablesTakeNone) {
+  SegmentTable color, surface;
+  EXPECT_EQ(
+      mostAllocations([&](const Frame& f) {
+        SegmentTable::build({{&color, &f.seen.color}, {&surface, &f.seen.surface}}, f.seen.saliency, f.color, &f.depth);
+      }),
+      0u);
+}
+
+TEST(Allocations, TheSurfaceVolumeAndItsViewTakeNone) {
+  SurfaceVolume volume;
+  ModelView view;
+  const PinholeCamera camera = desk().camera.reducedBy(2);
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { volume.integrate(f.depth, f.T_WC); }), 0u);
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { volume.rayCast(camera, f.T_WC, view); }), 0u);
+}
+
+TEST(Allocations, TrackingTakesNone) {
+  SurfaceVolume volume;
+  for (const auto& frame : desk().frames) volume.integrate(frame->depth, frame->T_WC);
+  ModelView view;
+  volume.rayCast(desk().camera.reducedBy(2), desk().frames[0]->T_WC, view);
+  Tracker tracker;
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { (void)tracker.track(f.depth, view, f.T_WC); }), 0u);
+}
+
+TEST(Allocations, TheMapAndItsViewTakeNone) {
+  IorMap map;
+  Renderer renderer;
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { (void)map.integrate(f.depth, f.color, f.T_WC); }), 0u);
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { (void)renderer.renderIor(map.view(), desk().camera, f.T_WC); }), 0u);
+}
+
+}  // namespace
+}  // namespace saccade
