@@ -29,7 +29,7 @@ class RecordedDepth {
   [[nodiscard]] double unitsPerMetre() const { return units_per_metre_; }
   /// The frame's depth in units; empty where it has none. Valid until the next call.
   [[nodiscard]] const cv::Mat1w& of(const SensorFrame& frame);
-  /// True once metres had to be rounded.
+  /// True once metres were no whole units and had to be rounded.
   [[nodiscard]] bool rounded() const { return rounded_; }
 
  private:
