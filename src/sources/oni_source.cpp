@@ -1,4 +1,5 @@
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 
@@ -42,6 +43,9 @@ class OniSource final : public SensorSource {
     describe();
     if (streams_.color.start() != openni::STATUS_OK || streams_.depth.start() != openni::STATUS_OK) {
       throw IoError(path, "streams that can be started", openNi2Error());
+    }
+    if (!streams_.awaitFrame(std::chrono::milliseconds(kPatience_ms))) {
+      throw IoError(path, "frames", fmt::format("none within {} s", kPatience_ms / 1000));
     }
   }
 
