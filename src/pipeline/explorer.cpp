@@ -313,7 +313,7 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
   report.stamp_s = frame.stamp_s;
   StageClock clock;
 
-  const FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
+  FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
   report.seen = &look.seen;
   report.depth = look.has_depth ? &look.depth : nullptr;
 
@@ -324,10 +324,9 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
           Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, look.depth)});
     });
   }
-  Candidates pool = clock.time("propose", [&] { return proposeCandidates(look.seen, s.config.discovery.proposal); });
   const cv::Mat1b inhibited_pixels = report.ior != nullptr ? report.ior->inhibited : cv::Mat1b();
   InhibitionSplit split = clock.time("inhibit", [&] {
-    return withoutInhibited(std::move(pool), look.seen, inhibited_pixels, s.config.discovery.inhibition);
+    return withoutInhibited(std::move(look.pool), look.seen, inhibited_pixels, s.config.discovery.inhibition);
   });
   report.open = clock.time("rank", [&] { return s.ranker.rank(std::move(split.open), look.seen); });
   report.attended = std::min(report.open.size(), static_cast<std::size_t>(s.config.discovery.ranking.top_k));

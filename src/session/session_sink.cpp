@@ -4,6 +4,7 @@
 
 #include "saccade/core/config_file.hpp"
 #include "saccade/core/errors.hpp"
+#include "saccade/discovery/candidate_box.hpp"
 #include "saccade/discovery/candidate_json.hpp"
 #include "saccade/session/session_map.hpp"
 #include "session/checkpoint.hpp"
@@ -44,7 +45,8 @@ CandidateRecord recordOf(const FrameReport& report, FrameOrdinal ordinal, std::s
   record.mask_rle = std::move(outline.mask);
   if (report.depth != nullptr && report.T_WC()) {
     if (const auto box = candidateBox(candidate, *report.seen, *report.depth, *report.T_WC())) {
-      record.box3d_m = {box->min().x(), box->min().y(), box->min().z(), box->max().x(), box->max().y(), box->max().z()};
+      const Eigen::Vector3d low = box->min().cast<double>(), high = box->max().cast<double>();
+      record.box3d_m = {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
     }
   }
   record.features.assign(candidate.features.begin(), candidate.features.end());
