@@ -42,6 +42,7 @@ struct Options {
   bool print_config = false, no_ior = false, paper = false;
   int threads = 0;
   double map_memory_MiB = 0.0;
+  double max_session_MiB = 0.0;
   double checkpoint_interval_s = kCheckpointInterval_s;
 };
 
@@ -277,13 +278,20 @@ void run(Options options) {
     session->limitMemory(static_cast<std::size_t>(options.map_memory_MiB * kMiB));
   }
 
+  if (options.max_session_MiB > 0.0) {
+    if (session == nullptr) throw std::invalid_argument("--max-session-size bounds a session: give -o S");
+    session->limitSize(static_cast<std::uint64_t>(options.max_session_MiB * kMiB));
+  }
+
   catchInterrupts();
   RunTotals totals;
+  std::int64_t last_frame = 0;
   ProgressLine progress(description.frames);
   Reading reading, next;
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  for (readFrame(source, reading); !interrupted(); std::swap(reading, next)) {
+  const auto full = [&] { return session != nullptr && session->full(); };
+  for (readFrame(source, reading); !interrupted() && !full(); std::swap(reading, next)) {
     for (const std::string& reason : reading.skipped) {
       ++totals.skipped;
       if (session != nullptr) session->noteSkipped();
@@ -297,6 +305,7 @@ void run(Options options) {
     const FrameReport report =
         poses ? explorer.processAt(frame, poses->find(frame), ahead) : explorer.process(frame, ahead);
     totals.add(report);
+    last_frame = report.index.value;
     for (const auto& sink : sinks) sink->accept(frame, report);
     progress.show(totals.frames + totals.skipped,
                   progressText(report, static_cast<double>(totals.frames) / std::max(elapsed(), 1e-9)));
@@ -305,10 +314,16 @@ void run(Options options) {
   const double elapsed_s = elapsed();
   if (totals.frames == 0) throw IoError(options.input, "at least one usable frame", "none");
 
-  if (session != nullptr && interrupted()) session->noteInterrupted();
+  if (session != nullptr && (interrupted() || full())) session->noteInterrupted();
   for (const auto& sink : sinks) sink->finish();
   if (session != nullptr && options.map_memory_MiB > 0.0) sayPaging(session->paging());
   if (!options.session.empty()) storeObjects(options.session);
+  if (full()) {
+    std::cerr << fmt::format(
+        "the session has grown to --max-session-size {:g} MiB: ended after frame {}, all that was "
+        "explored is saved\n",
+        options.max_session_MiB, last_frame);
+  }
   if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
   sayHowItEnded(source.progress());
   printTotals(totals, explorer, elapsed_s);
@@ -336,6 +351,12 @@ void addExplore(CLI::App& program) {
   command
       ->add_option("--map-memory", options->map_memory_MiB,
                    "MiB that map and surface volume may take: parts far from the camera wait in the session meanwhile "
+                   "(0: no limit)")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--max-session-size", options->max_session_MiB,
+                   "MiB that the session may take: images of keyframes are thinned first, then exploration ends "
                    "(0: no limit)")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();

@@ -127,6 +127,14 @@ void SessionSink::limitMemory(std::size_t bytes) {
   }
 }
 
+void SessionSink::limitSize(std::uint64_t bytes) {
+  thread_->limitSize(bytes);
+}
+
+bool SessionSink::full() {
+  return thread_->full();
+}
+
 PagingReport SessionSink::paging() const {
   if (pager_ == nullptr) return {};
   const SessionPager::Statistics& done = pager_->statistics();

@@ -132,6 +132,30 @@ TEST(MapMemory, AnExplorationThatPagesItsMapIsTheSameAsOneThatKeepsIt) {
   }
 }
 
+TEST(MaxSessionSize, ThinsKeyframeImagesThenEndsWithAllThatWasExplored) {
+  const TemporaryFolder folder;
+  constexpr double kLimit_MiB = 6.0;
+  const ProgramRun run =
+      runSaccade({"explore", "sim:desk?frames=100", "-o", folder / "s.saccade", "--poses", "dataset",
+                  "--checkpoint-interval", "0", "--set", "keyframes.spacing_m=0.02", "--max-session-size", "6"});
+  EXPECT_EQ(run.exit_code, 0) << run.talk;
+  EXPECT_NE(run.talk.find("grown to --max-session-size"), std::string::npos) << run.talk;
+  EXPECT_LE(static_cast<double>(std::filesystem::file_size(folder / "s.saccade")), kLimit_MiB * 1048576.0);
+  const SessionFindings findings = verifySession(folder / "s.saccade");
+  EXPECT_TRUE(findings.complaints.empty()) << findings.complaints.front();
+  const SessionReader session(folder / "s.saccade");
+  EXPECT_EQ(session.metadata().state, SessionState::kInterrupted);
+  EXPECT_LT(session.frames().size(), 100U);
+  EXPECT_EQ(session.frames().back().tick, session.metadata().tick);
+  int with_images = 0;
+  const std::vector<KeyframeRecord> keyframes = session.keyframes();
+  for (const KeyframeRecord& keyframe : keyframes) {
+    EXPECT_FALSE(keyframe.features.empty());
+    if (!session.keyframe(keyframe.ordinal)->color.empty()) ++with_images;
+  }
+  EXPECT_LT(with_images, static_cast<int>(keyframes.size()));
+}
+
 TEST(MapMemory, NeedsASessionToPageTo) {
   const ProgramRun run = runSaccade({"explore", "sim:desk", "--range", ":1", "--map-memory", "100"});
   EXPECT_EQ(run.exit_code, 2);
@@ -194,7 +218,8 @@ TEST(SlowContinue, KillingTheProgramAtAHundredRandomMomentsNeverLeavesADamagedSe
     EXPECT_TRUE(findings.complaints.empty()) << "kill " << kill << ": " << findings.complaints.front();
     EXPECT_EQ(SessionReader(folder / "s.saccade").metadata().state, SessionState::kExploring);
     if (kill % 10 != 0) continue;
-    const ProgramRun on = runSaccade({"explore", "--continue", folder / "s.saccade", "sim:desk", "--range", "200:201"});
+    const ProgramRun on =
+        runSaccade({"explore", "--continue", folder / "s.saccade", "sim:desk?frames=100000", "--range", "5000:5001"});
     EXPECT_EQ(on.exit_code, 0) << on.talk;
     EXPECT_EQ(SessionReader(folder / "s.saccade").metadata().state, SessionState::kComplete);
   }

@@ -54,6 +54,10 @@ class SessionSink final : public FrameSink {
   void limitMemory(std::size_t bytes);
   [[nodiscard]] PagingReport paging() const;
 
+  /// As SessionWriter::limitSize(); when full(), the exploration has to end.
+  void limitSize(std::uint64_t bytes);
+  [[nodiscard]] bool full();
+
   /// Counts a frame of the input that could not be used.
   void noteSkipped() { ++metadata_.frames_skipped; }
   /// Frames are every `step`th of the input.
