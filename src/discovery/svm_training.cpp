@@ -233,10 +233,12 @@ Svm trainSvm(const SvmExamples& examples, const SvmTrainingConfig& config) {
   const std::vector<double> rows(examples.rows.begin(), examples.rows.end());
   const KernelExpansion kept = reduced(whole, static_cast<std::size_t>(config.max_vectors), rows, config.seed);
 
-  const std::vector<double> decisions = heldOutDecisions(examples, chosen, config);
   std::vector<std::int8_t> labels;
   for (const std::size_t i : chosen) labels.push_back(examples.labels[i]);
-  return Svm::parse(writeModel(kept, fitSigmoid(decisions, labels)));
+  Sigmoid sigmoid = fitSigmoid(heldOutDecisions(examples, chosen, config), labels);
+  // From one or two groups nothing is learnt about others; the order of the decisions must not be turned round for it.
+  if (sigmoid.a >= 0.0) sigmoid = fitSigmoid(whole.values(rows), examples.labels);
+  return Svm::parse(writeModel(kept, sigmoid));
 }
 
 }  // namespace saccade
