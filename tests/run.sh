@@ -27,7 +27,7 @@ if [ $slow = yes ]; then
   "$root/apps/install-packages.sh" clang
   CC=clang CXX=clang++ "$root/apps/build.sh" "$build-fuzz" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSACCADE_BUILD_TESTS=OFF \
     -DSACCADE_BUILD_FUZZERS=ON -DSACCADE_SANITIZE=address,undefined
-  for target in candidate_lines config dataset_lists session; do
+  for target in candidate_lines config dataset_lists octomap session; do
     seeds=$root/tests/fuzz/corpus/$target
     [ $target = session ] && seeds=$root/maps
     found=$build-fuzz/found/$target

@@ -38,6 +38,11 @@ Pose worldFromTruth(const SessionReader& session, const StampedPoses& truth) {
 }
 
 void print(const RelocalisationScore& score, bool json) {
+  constexpr double kDegrees = 57.29577951308232;
+  for (const RelocalisationScore::WrongPlace& wrong : score.wrong_places) {
+    std::cerr << "frame " << wrong.frame.value << " was placed " << fixed(100.0 * wrong.error_m, 1) << " cm and "
+              << fixed(kDegrees * wrong.error_rad, 1) << " degrees from the truth\n";
+  }
   const double frames = static_cast<double>(std::max<std::int64_t>(1, score.frames));
   if (json) {
     std::cout << nlohmann::ordered_json{{"frames", score.frames},

@@ -31,6 +31,8 @@
 namespace saccade::app {
 namespace {
 
+constexpr double kMiB = 1048576.0;
+
 struct Options {
   std::string input;
   std::string session, continued, trajectory, candidates, video, frames_folder;
@@ -39,6 +41,8 @@ struct Options {
   std::vector<std::string> settings;
   bool print_config = false, no_ior = false, paper = false;
   int threads = 0;
+  double map_memory_MiB = 0.0;
+  double max_session_MiB = 0.0;
   double checkpoint_interval_s = kCheckpointInterval_s;
 };
 
@@ -121,11 +125,11 @@ void printTotals(const RunTotals& totals, const Explorer& explorer, double elaps
   std::cerr << alignedTable(rows) << "\n";
   std::cerr << alignedTable({
       {"map", grouped(static_cast<std::int64_t>(explorer.map().leafCount())) + " leaves",
-       fixed(static_cast<double>(explorer.map().memoryBytes()) / 1048576.0, 0) + " MiB"},
+       fixed(static_cast<double>(explorer.map().memoryBytes()) / kMiB, 0) + " MiB"},
       {"surface volume", grouped(static_cast<std::int64_t>(explorer.surface().bricks().size())) + " bricks",
-       fixed(static_cast<double>(explorer.surface().memoryBytes()) / 1048576.0, 0) + " MiB"},
+       fixed(static_cast<double>(explorer.surface().memoryBytes()) / kMiB, 0) + " MiB"},
       {"attend log", grouped(explorer.map().now().value) + " ticks",
-       fixed(static_cast<double>(explorer.attendLog().memoryBytes()) / 1048576.0, 0) + " MiB"},
+       fixed(static_cast<double>(explorer.attendLog().memoryBytes()) / kMiB, 0) + " MiB"},
       {"peak memory", "", fixed(peakMemoryMiB(), 0) + " MiB"},
   });
 }
@@ -171,6 +175,12 @@ std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, Explor
   return sinks;
 }
 
+void sayPaging(const PagingReport& paging) {
+  std::cerr << fmt::format("map paging: at most {:.0f} MiB in memory, {} parts dropped, {} brought back\n",
+                           static_cast<double>(paging.most_bytes) / kMiB, grouped(paging.dropped),
+                           grouped(paging.returned));
+}
+
 void printFiles(const Options& options) {
   std::vector<std::vector<std::string>> rows;
   const auto add = [&](const char* what, const std::string& path) {
@@ -214,7 +224,7 @@ FrameRange effectiveRange(const Options& options, const std::optional<ContinuedS
   return range;
 }
 
-void goOn(const ContinuedSession& continued, Explorer& explorer) {
+void goOn(const ContinuedSession& continued, Explorer& explorer, bool without_map) {
   const PinholeCamera& expected = continued.reader.metadata().camera;
   const PinholeCamera& found = explorer.camera();
   const auto text = [](const PinholeCamera& c) {
@@ -223,7 +233,7 @@ void goOn(const ContinuedSession& continued, Explorer& explorer) {
   if (!(expected == found)) {
     throw IoError(continued.reader.path(), "an input of the session's camera (" + text(expected) + ")", text(found));
   }
-  explorer.restore(loadMemory(continued.reader));
+  explorer.restore(without_map ? loadMemoryWithoutMap(continued.reader) : loadMemory(continued.reader));
 }
 
 void run(Options options) {
@@ -259,18 +269,29 @@ void run(Options options) {
   std::optional<RankerModel> model;
   if (!options.model.empty()) model = RankerModel::load(options.model);
   Explorer explorer(config, description.camera, model);
-  if (continued) goOn(*continued, explorer);
+  if (continued) goOn(*continued, explorer, options.map_memory_MiB > 0.0);
   SessionSink* session = nullptr;
   const auto sinks = makeSinks(options, explorer, description, range.step, continued, session);
   continued.reset();  // a reader that stays would keep the session in two files
+  if (options.map_memory_MiB > 0.0) {
+    if (session == nullptr) throw std::invalid_argument("--map-memory needs a session to page to: give -o S");
+    session->limitMemory(static_cast<std::size_t>(options.map_memory_MiB * kMiB));
+  }
+
+  if (options.max_session_MiB > 0.0) {
+    if (session == nullptr) throw std::invalid_argument("--max-session-size bounds a session: give -o S");
+    session->limitSize(static_cast<std::uint64_t>(options.max_session_MiB * kMiB));
+  }
 
   catchInterrupts();
   RunTotals totals;
+  std::int64_t last_frame = 0;
   ProgressLine progress(description.frames);
   Reading reading, next;
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  for (readFrame(source, reading); !interrupted(); std::swap(reading, next)) {
+  const auto full = [&] { return session != nullptr && session->full(); };
+  for (readFrame(source, reading); !interrupted() && !full(); std::swap(reading, next)) {
     for (const std::string& reason : reading.skipped) {
       ++totals.skipped;
       if (session != nullptr) session->noteSkipped();
@@ -284,6 +305,7 @@ void run(Options options) {
     const FrameReport report =
         poses ? explorer.processAt(frame, poses->find(frame), ahead) : explorer.process(frame, ahead);
     totals.add(report);
+    last_frame = report.index.value;
     for (const auto& sink : sinks) sink->accept(frame, report);
     progress.show(totals.frames + totals.skipped,
                   progressText(report, static_cast<double>(totals.frames) / std::max(elapsed(), 1e-9)));
@@ -292,9 +314,16 @@ void run(Options options) {
   const double elapsed_s = elapsed();
   if (totals.frames == 0) throw IoError(options.input, "at least one usable frame", "none");
 
-  if (session != nullptr && interrupted()) session->noteInterrupted();
+  if (session != nullptr && (interrupted() || full())) session->noteInterrupted();
   for (const auto& sink : sinks) sink->finish();
+  if (session != nullptr && options.map_memory_MiB > 0.0) sayPaging(session->paging());
   if (!options.session.empty()) storeObjects(options.session);
+  if (full()) {
+    std::cerr << fmt::format(
+        "the session has grown to --max-session-size {:g} MiB: ended after frame {}, all that was "
+        "explored is saved\n",
+        options.max_session_MiB, last_frame);
+  }
   if (interrupted()) std::cerr << "ended by hand; what was explored is saved\n";
   sayHowItEnded(source.progress());
   printTotals(totals, explorer, elapsed_s);
@@ -318,6 +347,18 @@ void addExplore(CLI::App& program) {
       ->add_option("--checkpoint-interval", options->checkpoint_interval_s,
                    "seconds between two checkpoints of the session: what a crash can cost at most")
       ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  command
+      ->add_option("--map-memory", options->map_memory_MiB,
+                   "MiB that map and surface volume may take: parts far from the camera wait in the session meanwhile "
+                   "(0: no limit)")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--max-session-size", options->max_session_MiB,
+                   "MiB that the session may take: images of keyframes are thinned first, then exploration ends "
+                   "(0: no limit)")
+      ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--trajectory", options->trajectory, "write the poses in TUM format");
   command->add_option("--candidates", options->candidates, "write the candidates, one JSON line a frame");

@@ -17,7 +17,7 @@
 #include "saccade/exchange/occupancy_grid.hpp"
 #include "saccade/exchange/octomap_files.hpp"
 #include "saccade/exchange/output_file.hpp"
-#include "saccade/exchange/up_direction.hpp"
+#include "saccade/inspection/up_direction.hpp"
 #include "saccade/objects/object_memory.hpp"
 #include "saccade/pipeline/trajectory_sink.hpp"
 #include "saccade/session/session_map.hpp"
@@ -106,7 +106,7 @@ void writeGrid(const Options& options, Exported& from, WhenFileExists when_exist
   settings.highest_m = options.band[1];
   settings.cell_m = options.cell_m;
   if (options.up.empty()) {
-    settings.up_W = estimateUp(occupiedPoints(from.map()), from.session().frames());
+    settings.up_W = estimateUp(from.map().view(), from.session().frames());
   } else {
     settings.up_W = Eigen::Vector3d(options.up[0], options.up[1], options.up[2]);
     if (!(settings.up_W.norm() > 0.0)) throw std::invalid_argument("export: --up 0 0 0 is no direction");

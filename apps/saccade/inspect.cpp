@@ -7,55 +7,23 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "saccade/session/session_reader.hpp"
+#include "saccade/inspection/session_summary.hpp"
 #include "terminal.hpp"
 
 namespace saccade::app {
 namespace {
 
-struct Summary {
-  SessionMetadata metadata;
-  std::int64_t file_bytes = 0;
-  std::int64_t frames = 0, tracked = 0, weak = 0, lost = 0;
-  std::int64_t attended = 0;
-  double path_length_m = 0.0;
-  double mean_open = 0.0, mean_inhibited = 0.0;
-  double median_ms = 0.0;
-  double first_stamp_s = 0.0, last_stamp_s = 0.0;
-};
-
-Summary summarise(const std::string& path) {
-  const SessionReader reader(path);
-  Summary summary;
-  summary.metadata = reader.metadata();
-  summary.file_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
-  summary.attended = reader.candidateCount();
-  const std::vector<FrameRecord> frames = reader.frames();
-  summary.frames = static_cast<std::int64_t>(frames.size());
-  std::vector<double> times;
-  const FrameRecord* last = nullptr;
-  for (const FrameRecord& frame : frames) {
-    (frame.tracking == "tracked" ? summary.tracked : frame.tracking == "weak" ? summary.weak : summary.lost) += 1;
-    summary.mean_open += frame.open;
-    summary.mean_inhibited += frame.inhibited;
-    times.push_back(frame.processing_ms);
-    if (!frame.T_WC) continue;
-    if (last != nullptr) summary.path_length_m += (frame.T_WC->translation() - last->T_WC->translation()).norm();
-    last = &frame;
-  }
-  if (frames.empty()) return summary;
-  summary.mean_open /= static_cast<double>(frames.size());
-  summary.mean_inhibited /= static_cast<double>(frames.size());
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-  summary.median_ms = times[times.size() / 2];
-  summary.first_stamp_s = frames.front().stamp_s;
-  summary.last_stamp_s = frames.back().stamp_s;
-  return summary;
-}
-
-void printJson(const Summary& s) {
+void printJson(const SessionSummary& s) {
   const PinholeCamera& camera = s.metadata.camera;
+  nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+  for (const RunRecord& run : s.runs) {
+    runs.push_back({{"input", run.input},
+                    {"input_kind", run.input_kind},
+                    {"first_frame", run.first.value},
+                    {"started_utc", run.started_utc}});
+  }
   const nlohmann::ordered_json json = {
+      {"schema", kInspectSchema},
       {"saccade_version", s.metadata.saccade_version},
       {"created_utc", s.metadata.created_utc},
       {"input", s.metadata.input},
@@ -69,14 +37,17 @@ void printJson(const Summary& s) {
         {"fy", camera.fy},
         {"cx", camera.cx},
         {"cy", camera.cy}}},
+      {"runs", runs},
       {"frames",
        {{"processed", s.frames},
         {"tracked", s.tracked},
         {"weak", s.weak},
         {"lost", s.lost},
         {"skipped", s.metadata.frames_skipped},
+        {"keyframes", s.keyframes},
         {"first_stamp_s", s.first_stamp_s},
         {"last_stamp_s", s.last_stamp_s},
+        {"covered_s", s.covered_s},
         {"median_ms", s.median_ms}}},
       {"path_length_m", s.path_length_m},
       {"map", {{"leaf_size_m", s.metadata.leaf_size_m}, {"leaves", s.metadata.leaves}, {"tick", s.metadata.tick}}},
@@ -98,7 +69,17 @@ const char* stateText(SessionState state) {
   return "";
 }
 
-void printText(const Summary& s, const std::string& path) {
+/// The course of one number over the frames, a line of the table.
+template <typename ValueOf>
+std::vector<std::string> course(const char* name, const std::vector<FrameRecord>& frames, int digits,
+                                const ValueOf& valueOf) {
+  std::vector<double> values;
+  for (const FrameRecord& frame : frames) values.push_back(valueOf(frame));
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  return {name, sparkline(values), fixed(*least, digits) + " to " + fixed(*most, digits)};
+}
+
+void printText(const SessionSummary& s, const std::vector<FrameRecord>& frames, const std::string& path) {
   const PinholeCamera& camera = s.metadata.camera;
   std::cout << path << ": a session of " << s.metadata.input << " (" << s.metadata.input_kind << "), written "
             << s.metadata.created_utc << " by saccade " << s.metadata.saccade_version << stateText(s.metadata.state)
@@ -106,15 +87,26 @@ void printText(const Summary& s, const std::string& path) {
   std::cout << alignedTable({
       {"frames", grouped(s.frames) + " (" + grouped(s.tracked) + " tracked, " + grouped(s.weak) + " weak, " +
                      grouped(s.lost) + " lost, " + grouped(s.metadata.frames_skipped) + " skipped)"},
-      {"time covered", fixed(s.last_stamp_s - s.first_stamp_s, 1) + " s"},
+      {"runs", grouped(static_cast<std::int64_t>(s.runs.size()))},
+      {"time covered", fixed(s.covered_s, 1) + " s"},
       {"camera", grouped(camera.width) + " x " + grouped(camera.height) + " px, f " + fixed(camera.fx, 1)},
       {"camera path", fixed(s.path_length_m, 2) + " m"},
       {"map", grouped(s.metadata.leaves) + " leaves of " + fixed(s.metadata.leaf_size_m * 100.0, 1) + " cm"},
       {"attention", grouped(s.attended) + " looks in " + grouped(s.metadata.tick) + " ticks"},
       {"candidates a frame", fixed(s.mean_open, 1) + " open, " + fixed(s.mean_inhibited, 1) + " inhibited"},
       {"median time a frame", fixed(s.median_ms, 1) + " ms"},
+      {"key frames", grouped(s.keyframes)},
       {"file", fixed(static_cast<double>(s.file_bytes) / 1048576.0, 1) + " MiB"},
   });
+  if (frames.size() < 2) return;
+  std::cout << "over the frames:\n"
+            << alignedTable({
+                   course("open candidates", frames, 0, [](const FrameRecord& f) { return f.open; }),
+                   course("inhibited", frames, 0, [](const FrameRecord& f) { return f.inhibited; }),
+                   course("matched pixels, %", frames, 0, [](const FrameRecord& f) { return 100.0 * f.inlier_share; }),
+                   course("residual, mm", frames, 1, [](const FrameRecord& f) { return 1000.0 * f.rms_m; }),
+                   course("time, ms", frames, 0, [](const FrameRecord& f) { return f.processing_ms; }),
+               });
 }
 
 }  // namespace
@@ -122,13 +114,24 @@ void printText(const Summary& s, const std::string& path) {
 void addInspect(CLI::App& program) {
   auto target = std::make_shared<InspectTarget>();
   CLI::App* command = program.add_subcommand("inspect", "Say what a session holds; reads, never writes");
-  command->add_option("SESSION", target->session, "a *.saccade file")->required();
-  command->add_flag("--json", target->json, "print JSON");
+  command->add_option("SESSION", target->session, "a session (*.saccade)")->required();
+  command->add_flag("--json", target->json, "print JSON, as docs/inspect-json.md describes it");
   addInspectObjects(*command, target);
+  addInspectMap(*command, target);
+  addInspectTimeline(*command, target);
+  command->require_subcommand(0, 1);
+  command->footer(
+      "Examples:\n"
+      "  saccade inspect my.saccade\n"
+      "  saccade inspect my.saccade query 0.2 -0.1 1.5    what is there, and when it was attended\n"
+      "  saccade inspect my.saccade slice --z 1.2 -o cut.png\n"
+      "  saccade inspect my.saccade objects --json");
   command->callback([target, command] {
     if (!command->get_subcommands().empty()) return;  // the question was answered
-    const Summary summary = summarise(target->session);
-    target->json ? printJson(summary) : printText(summary, target->session);
+    const SessionReader session(target->session);
+    const std::vector<FrameRecord> frames = session.frames();
+    const SessionSummary summary = summarise(session, frames);
+    target->json ? printJson(summary) : printText(summary, frames, target->session);
   });
 }
 

@@ -88,7 +88,8 @@ void listObjects(const InspectTarget& target, int least_looks) {
                     grouped(history.leaves), grouped(history.inhibited), nameOfFrame(frames, best.tick), textOf(box)});
   }
   if (target.json) {
-    std::cout << Json({{"tick", objects.map.now().value}, {"objects", list}}).dump(2) << "\n";
+    std::cout << Json({{"schema", kInspectSchema}, {"tick", objects.map.now().value}, {"objects", list}}).dump(2)
+              << "\n";
   } else {
     std::cout << alignedTable(rows) << objects.all.size() << " objects at tick " << objects.map.now().value << "\n";
   }
@@ -114,7 +115,8 @@ void printWhyJson(const Objects& objects, const AttendedObject& object, const Ob
         {{"tick", record.tick.value}, {"utc", record.when}, {"what", record.what}, {"leaves", record.leaves}});
   }
   const auto expiry = [](std::uint32_t tick) { return tick == 0 ? Json(nullptr) : Json(tick); };
-  const Json json = {{"id", object.id.value},
+  const Json json = {{"schema", kInspectSchema},
+                     {"id", object.id.value},
                      {"tick", objects.map.now().value},
                      {"leaves", history.leaves},
                      {"attended", history.attended},

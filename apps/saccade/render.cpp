@@ -132,7 +132,7 @@ void run(const Options& options) {
   }
   const SessionReader session(options.session);
   const IorMap map = loadMap(session);
-  const SceneFrame scene = findSceneFrame(map.view());
+  const SceneFrame scene = findSceneFrame(map.view(), session.frames());
   PinholeCamera camera = cameraFor(options, session);
   if (film) {  // video codecs want even sides
     camera.width -= camera.width % 2;

@@ -15,6 +15,12 @@ constexpr auto kRedrawInterval = std::chrono::milliseconds(100);
 
 volatile std::sig_atomic_t interrupt_asked = 0;
 
+/// Characters of UTF-8 text.
+std::size_t lengthOf(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
+}
+
 void onInterrupt(int signal) {
   interrupt_asked = 1;
   std::signal(signal, SIG_DFL);
@@ -57,18 +63,35 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()), 0);
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], lengthOf(row[i]));
   }
   std::string table;
   for (const auto& row : rows) {
     table += "  ";
     for (std::size_t i = 0; i < row.size(); ++i) {
-      table += i == 0 ? fmt::format("{:<{}}", row[i], widths[i]) : fmt::format("  {:>{}}", row[i], widths[i]);
+      const std::string blanks(widths[i] - lengthOf(row[i]), ' ');
+      table += i == 0 ? row[i] + blanks : "  " + blanks + row[i];
     }
     table.erase(table.find_last_not_of(' ') + 1);
     table += "\n";
   }
   return table;
+}
+
+std::string sparkline(const std::vector<double>& values, std::size_t width) {
+  if (values.empty()) return "";
+  const std::size_t count = std::min(width, values.size());
+  std::vector<double> means(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t begin = i * values.size() / count, end = (i + 1) * values.size() / count;
+    for (std::size_t j = begin; j < end; ++j) means[i] += values[j] / static_cast<double>(end - begin);
+  }
+  const auto [least, most] = std::minmax_element(means.begin(), means.end());
+  const double low = std::min(0.0, *least), range = *most - low;
+  constexpr const char* kBlocks[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  std::string line;
+  for (const double mean : means) line += kBlocks[range > 0.0 ? static_cast<int>((mean - low) / range * 7.0 + 0.5) : 0];
+  return line;
 }
 
 std::string fixed(double value, int digits) {

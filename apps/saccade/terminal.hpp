@@ -30,8 +30,12 @@ class ProgressLine {
   std::chrono::steady_clock::time_point next_;
 };
 
-/// Rows of text in aligned columns; the first column to the left, the others to the right.
+/// Rows of UTF-8 text in aligned columns; the first column to the left, the others to the right.
 [[nodiscard]] std::string alignedTable(const std::vector<std::vector<std::string>>& rows);
+
+/// The course of `values` as one line of at most `width` blocks of eight heights, from 0 (or their least, if that is
+/// negative) to their largest; each block is the mean of an equal part of them.
+[[nodiscard]] std::string sparkline(const std::vector<double>& values, std::size_t width = 40);
 
 /// `value` with `digits` digits behind the point.
 [[nodiscard]] std::string fixed(double value, int digits);

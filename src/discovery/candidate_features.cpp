@@ -72,7 +72,7 @@ CandidateMeasurer::CandidateMeasurer(FeatureConfig config) : config_(config) {
   requireValid(config_);
 }
 
-void CandidateMeasurer::measure(Candidates& candidates, const Perception& seen) {
+void CandidateMeasurer::measure(std::span<Candidate> candidates, const Perception& seen) {
   surface_structure_.assign(static_cast<std::size_t>(seen.surface_segments.count()), 0.0);
   for (std::int32_t i = 0; i < seen.surface_segments.count(); ++i) {
     if (seen.planes.planeOf(i) != SupportPlanes::kNoPlane) surface_structure_[static_cast<std::size_t>(i)] = 1.0;

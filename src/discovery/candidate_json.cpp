@@ -1,46 +1,103 @@
 #include "saccade/discovery/candidate_json.hpp"
 
+#include <charconv>
 #include <cmath>
+#include <optional>
 
 #include <nlohmann/json.hpp>
-
-#include "saccade/discovery/candidate_mask.hpp"
 
 namespace saccade {
 namespace {
 
-using Json = nlohmann::ordered_json;
+/// Writes the text of one candidate after another: nine hundred a frame, which are too many to build as a document
+/// first. Nothing that it writes needs escaping but the masks' backslashes.
+class CandidateWriter {
+ public:
+  CandidateWriter(const CandidateOutliner& outliner, const CandidateBoxes& boxes, std::string& text)
+      : outliner_(outliner), boxes_(boxes), text_(text) {}
 
-// Five digits: enough for ranks and reports, and a line stays short.
-double rounded(double value) {
-  return std::round(value * 1e5) / 1e5;
-}
+  void write(const Candidate& candidate, const std::optional<int>& rank, bool attended) {
+    const CandidateOutline outline = outliner_.outline(candidate);
+    text_ += R"({"rank":)";
+    rank ? integer(*rank) : null();
+    text_ += R"(,"score":)";
+    decimal(candidate.score);
+    text_ += attended ? R"(,"attended":true)" : R"(,"attended":false)";
+    text_ += candidate.inhibited ? R"(,"inhibited":true)" : R"(,"inhibited":false)";
+    text_ += R"(,"box":)";
+    integers({outline.box.x, outline.box.y, outline.box.width, outline.box.height});
+    text_ += R"(,"source":")";
+    text_ += sourceName(candidate.source);
+    text_ += R"(","mask":{"size":)";
+    integers({outliner_.imageSize().height, outliner_.imageSize().width});
+    text_ += R"(,"counts":")";
+    escaped(outline.mask);
+    text_ += R"("},"box3d":)";
+    box(boxes_.box(candidate));
+    text_ += R"(,"features":)";
+    decimals(candidate.features);
+    text_ += '}';
+  }
 
-Json candidateJson(const Candidate& candidate, const Perception& seen, const CandidateOutliner& outliner,
-                   const DepthMaps* depth, const std::optional<Pose>& T_WC) {
-  Json json;
-  json["rank"] = nullptr;
-  json["score"] = rounded(candidate.score);
-  json["attended"] = false;
-  json["inhibited"] = candidate.inhibited;
-  const CandidateOutline outline = outliner.outline(candidate);
-  json["box"] = {outline.box.x, outline.box.y, outline.box.width, outline.box.height};
-  json["source"] = sourceName(candidate.source);
-  const cv::Size size = seen.imageSize();
-  json["mask"]["size"] = {size.height, size.width};
-  json["mask"]["counts"] = outline.mask;
-  json["box3d"] = nullptr;
-  if (depth != nullptr && T_WC) {
-    if (const auto box = candidateBox(candidate, seen, *depth, *T_WC)) {
-      json["box3d"] = {rounded(box->min().x()), rounded(box->min().y()), rounded(box->min().z()),
-                       rounded(box->max().x()), rounded(box->max().y()), rounded(box->max().z())};
+ private:
+  void null() { text_ += "null"; }
+
+  void integer(int value) {
+    char digits[16];
+    text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+  }
+
+  /// Five digits: enough for ranks and reports, and a line stays short.
+  void decimal(double value) {
+    if (!std::isfinite(value)) {
+      null();
+      return;
+    }
+    char digits[32];
+    text_.append(digits, std::to_chars(digits, digits + sizeof digits, std::round(value * 1e5) / 1e5).ptr);
+  }
+
+  void integers(std::initializer_list<int> values) {
+    char before = '[';
+    for (const int value : values) {
+      text_ += before;
+      integer(value);
+      before = ',';
+    }
+    text_ += ']';
+  }
+
+  template <typename Values>
+  void decimals(const Values& values) {
+    char before = '[';
+    for (const float value : values) {
+      text_ += before;
+      decimal(static_cast<double>(value));
+      before = ',';
+    }
+    text_ += ']';
+  }
+
+  void box(const std::optional<WorldBox>& box) {
+    if (!box) {
+      null();
+      return;
+    }
+    decimals(
+        std::array{box->min().x(), box->min().y(), box->min().z(), box->max().x(), box->max().y(), box->max().z()});
+  }
+
+  void escaped(std::string_view mask) {
+    for (const char character : mask) {
+      if (character == '\\') text_ += '\\';
+      text_ += character;
     }
   }
-  Json features = Json::array();
-  for (const float feature : candidate.features) features.push_back(rounded(static_cast<double>(feature)));
-  json["features"] = std::move(features);
-  return json;
-}
+
+  const CandidateOutliner& outliner_;
+  const CandidateBoxes& boxes_;
+  std::string& text_;
+};
 
 }  // namespace
 
@@ -48,39 +105,26 @@ std::string_view sourceName(CandidateSource source) {
   return source == CandidateSource::kColor ? "colour" : "depth";
 }
 
-std::optional<Eigen::AlignedBox3d> candidateBox(const Candidate& candidate, const Perception& seen,
-                                                const DepthMaps& depth, const Pose& T_WC) {
-  Eigen::AlignedBox3d box;
-  forEachMaskRun(candidate, seen, [&](int v, int begin, int end) {
-    const cv::Vec3f* row = depth.vertices[v];
-    for (int u = begin; u < end; ++u) {
-      if (!(row[u][2] > 0.0F)) continue;
-      box.extend(T_WC * Eigen::Vector3f(row[u][0], row[u][1], row[u][2]).cast<double>());
-    }
-  });
-  if (box.isEmpty()) return std::nullopt;
-  return box;
-}
-
 std::string candidateLine(const CandidateLineHeader& header, const Candidates& open, int attended_count,
-                          const Candidates& inhibited, const Perception& seen, const CandidateOutliner& outliner,
-                          const DepthMaps* depth, const std::optional<Pose>& T_WC) {
-  Json line;
-  line["frame"] = header.frame.value;
-  line["name"] = header.name;
-  line["stamp_s"] = header.stamp_s;
-  line["tracking"] = header.tracking;
-  Json list = Json::array();
-  for (std::size_t rank = 0; rank < open.size(); ++rank) {
-    Json json = candidateJson(open[rank], seen, outliner, depth, T_WC);
-    json["rank"] = rank;
-    json["attended"] = static_cast<int>(rank) < attended_count;
-    list.push_back(std::move(json));
-  }
-  for (const Candidate& candidate : inhibited) list.push_back(candidateJson(candidate, seen, outliner, depth, T_WC));
-  line["candidates"] = std::move(list);
+                          const Candidates& inhibited, const CandidateOutliner& outliner, const CandidateBoxes& boxes) {
+  const nlohmann::ordered_json frame = {
+      {"frame", header.frame.value}, {"name", header.name}, {"stamp_s", header.stamp_s}, {"tracking", header.tracking}};
   // Names come from file names, which need not be UTF-8.
-  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = frame.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  text.back() = ',';
+  text += R"("candidates":[)";
+  CandidateWriter writer(outliner, boxes, text);
+  for (std::size_t rank = 0; rank < open.size(); ++rank) {
+    const int number = static_cast<int>(rank);
+    if (rank > 0) text += ',';
+    writer.write(open[rank], number, number < attended_count);
+  }
+  for (const Candidate& candidate : inhibited) {
+    if (text.back() == '}') text += ',';
+    writer.write(candidate, std::nullopt, false);
+  }
+  text += "]}";
+  return text;
 }
 
 }  // namespace saccade

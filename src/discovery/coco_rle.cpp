@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace saccade {
@@ -11,7 +12,7 @@ namespace {
 constexpr int kBitsPerCharacter = 5;
 constexpr char kFirstCharacter = '0';  // 48; the characters used are '0' ... 'o'
 
-void append(std::int64_t value, std::string& text) {
+void appendNumber(std::int64_t value, std::string& text) {
   for (bool more = true; more;) {
     std::int64_t bits = value & 0x1F;
     value >>= kBitsPerCharacter;
@@ -41,46 +42,37 @@ std::int64_t takeNumber(std::string_view text, std::size_t& position) {
 
 }  // namespace
 
-std::string encodeCocoRle(const cv::Mat1b& mask) {
-  return encodeCocoRle(mask, {0, 0}, mask.size());
+void CocoRleWriter::flush() {
+  if (begin_ == end_) return;
+  append(begin_ - written_);
+  append(end_ - begin_);
+  written_ = end_;
 }
 
-std::string encodeCocoRle(const cv::Mat1b& part, cv::Point corner, cv::Size size) {
-  if (corner.x < 0 || corner.y < 0 || corner.x + part.cols > size.width || corner.y + part.rows > size.height) {
-    throw std::invalid_argument("encodeCocoRle: a part of " + std::to_string(part.cols) + "x" +
-                                std::to_string(part.rows) + " at " + std::to_string(corner.x) + ", " +
-                                std::to_string(corner.y) + " in an image of " + std::to_string(size.width) + "x" +
-                                std::to_string(size.height));
-  }
+void CocoRleWriter::append(std::int64_t length) {
+  appendNumber(runs_ > 2 ? length - last_but_one_ : length, text_);
+  last_but_one_ = last_;
+  last_ = length;
+  ++runs_;
+}
+
+std::string CocoRleWriter::finish() {
+  flush();
+  if (written_ < pixels_ || runs_ == 0) append(pixels_ - written_);
+  return std::move(text_);
+}
+
+std::string encodeCocoRle(const cv::Mat1b& mask) {
   cv::Mat1b columns;
-  cv::transpose(part, columns);
-  std::vector<std::int64_t> runs;
-  std::int64_t run_begin = 0;  // pixel in column-major order where the current run began
-  bool inside = false;
+  cv::transpose(mask, columns);
+  CocoRleWriter writer(mask.size());
   for (int u = 0; u < columns.rows; ++u) {
-    const std::int64_t first = std::int64_t{1} * (corner.x + u) * size.height;
     const std::uint8_t* column = columns[u];
-    const auto turn = [&](std::int64_t at) {
-      runs.push_back(at - run_begin);
-      run_begin = at;
-      inside = !inside;
-    };
-    if (inside && corner.y > 0) turn(first);
     for (int v = 0; v < columns.cols; ++v) {
-      if ((column[v] != 0) != inside) turn(first + corner.y + v);
+      if (column[v] != 0) writer.addRun(u, v, v + 1);
     }
-    if (inside && corner.y + columns.cols < size.height) turn(first + corner.y + columns.cols);
   }
-  const std::int64_t part_end = std::int64_t{1} * (corner.x + columns.rows) * size.height;
-  const std::int64_t end = std::int64_t{1} * size.width * size.height;
-  if (inside && part_end < end) {
-    runs.push_back(part_end - run_begin);
-    run_begin = part_end;
-  }
-  runs.push_back(end - run_begin);
-  std::string text;
-  for (std::size_t i = 0; i < runs.size(); ++i) append(i > 2 ? runs[i] - runs[i - 2] : runs[i], text);
-  return text;
+  return writer.finish();
 }
 
 void forEachCocoRun(std::string_view counts, cv::Size size, const std::function<void(int, int, int)>& visit) {

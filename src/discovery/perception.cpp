@@ -11,8 +11,7 @@ void Perception::makeTables(const cv::Mat3b& image, const DepthMaps* depth, cons
     surface.labels.setTo(-1);
     surface.count = 0;
   }
-  color_segments.build(color, saliency, image, depth);
-  surface_segments.build(surface, saliency, image, depth);
+  SegmentTable::build({{&color_segments, &color}, {&surface_segments, &surface}}, saliency, image, depth);
   overlap.build(color, surface);
   planes.build(surface_segments, camera, config);
 }

@@ -4,11 +4,17 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include <tbb/parallel_for.h>
+
 namespace saccade {
 namespace {
+
+/// Candidates are measured in this many parts: few, as each prepares for the frame anew.
+constexpr std::size_t kMeasuredParts = 4;
 
 const RankingConfig& checked(const RankingConfig& config) {
   requireValid(config);
@@ -122,10 +128,15 @@ Ranker::Ranker(RankingConfig config)
     : Ranker(config, RankerModel::builtIn(config.paper ? FeatureSet::kPaper : FeatureSet::kExtended)) {}
 
 Ranker::Ranker(RankingConfig config, RankerModel model)
-    : config_(checked(config)), model_(std::move(model)), measurer_(config.features) {}
+    : config_(checked(config)),
+      model_(std::move(model)),
+      measurers_(kMeasuredParts, CandidateMeasurer(config.features)) {}
 
 Candidates Ranker::rank(Candidates open, const Perception& seen) {
-  measurer_.measure(open, seen);
+  tbb::parallel_for(std::size_t{0}, kMeasuredParts, [&](std::size_t part) {
+    const std::size_t begin = part * open.size() / kMeasuredParts, end = (part + 1) * open.size() / kMeasuredParts;
+    if (begin < end) measurers_[part].measure(std::span(open).subspan(begin, end - begin), seen);
+  });
   model_.score(open);
   std::vector<std::size_t> order(open.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

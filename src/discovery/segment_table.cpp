@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/lanes.hpp"
+#include "discovery/row_sums.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
@@ -17,8 +18,6 @@ constexpr float kDepthStep_m = 0.010F;
 constexpr float kDepthStepPerSquareMetre = 0.006F;
 // Points for hulls and samples are taken from every second column and row.
 constexpr int kPointStep = 2;
-
-using Four = float __attribute__((vector_size(16)));  // sums of four things at once
 
 struct Directions {
   std::array<float, SegmentTable::kDirections> x, y, z;
@@ -122,14 +121,39 @@ SegmentSums& SegmentSums::operator+=(const SegmentSums& other) {
 
 void SegmentTable::build(const Segmentation& segmentation, const cv::Mat1f& saliency, const cv::Mat3b& color,
                          const DepthMaps* depth) {
-  const cv::Mat1i& labels = segmentation.labels;
-  requireSize("saliency map", saliency.size(), labels.size());
-  requireSize("colour image", color.size(), labels.size());
-  if (depth != nullptr) requireSize("vertex map", depth->vertices.size(), labels.size());
-  if (depth != nullptr) requireSize("normal map", depth->normals.size(), labels.size());
+  build({{this, &segmentation}}, saliency, color, depth);
+}
 
-  size_ = labels.size();
-  has_depth_ = depth != nullptr;
+void SegmentTable::build(std::initializer_list<Building> tables, const cv::Mat1f& saliency, const cv::Mat3b& color,
+                         const DepthMaps* depth) {
+  for (const auto& [table, segmentation] : tables) {
+    const cv::Size size = segmentation->labels.size();
+    requireSize("saliency map", saliency.size(), size);
+    requireSize("colour image", color.size(), size);
+    if (depth != nullptr) requireSize("vertex map", depth->vertices.size(), size);
+    if (depth != nullptr) requireSize("normal map", depth->normals.size(), size);
+    table->begin(*segmentation, depth != nullptr);
+  }
+  std::vector<double>& row_sums = tables.begin()->first->row_sums_;
+  row_sums.resize(static_cast<std::size_t>(color.cols + 1) * kRowSums);
+  for (int v = 0; v < color.rows; ++v) {
+    sumRow(v, saliency, color, depth, row_sums.data());
+    for (const auto& [table, segmentation] : tables) table->addRow(*segmentation, v, row_sums);
+  }
+  for (const auto& [table, segmentation] : tables) {
+    if (depth != nullptr) {
+      table->gatherPoints(segmentation->labels, *depth);
+    } else {
+      table->sample_count_.assign(table->sums_.size(), 0);
+    }
+    table->gatherCracks(segmentation->labels, color, depth);
+    table->sortEdges();
+  }
+}
+
+void SegmentTable::begin(const Segmentation& segmentation, bool has_depth) {
+  size_ = segmentation.labels.size();
+  has_depth_ = has_depth;
   sums_.assign(static_cast<std::size_t>(segmentation.count), SegmentSums{});
   for (std::vector<std::int64_t>* power : {&power_1_, &power_2_, &power_3_}) {
     power->assign(static_cast<std::size_t>(size_.width) + 1, 0);
@@ -141,29 +165,22 @@ void SegmentTable::build(const Segmentation& segmentation, const cv::Mat1f& sali
     power_2_[i + 1] = power_2_[i] + x * x;
     power_3_[i + 1] = power_3_[i] + x * x * x;
   }
-  for (int v = 0; v < size_.height; ++v) {
-    const int* row = labels[v];
-    for (int u = 0; u < size_.width;) {
-      const int begin = u, label = row[u];
-      while (u < size_.width && row[u] == label) ++u;
-      if (label >= segmentation.count) {
-        throw std::invalid_argument("SegmentTable: label " + std::to_string(label) + " where there are " +
-                                    std::to_string(segmentation.count) + " segments");
-      }
-      if (label >= 0) sumRun(sums_[static_cast<std::size_t>(label)], v, begin, u, saliency, color, depth);
-    }
-  }
-  if (depth != nullptr) {
-    gatherPoints(labels, *depth);
-  } else {
-    sample_count_.assign(sums_.size(), 0);
-  }
-  gatherCracks(labels, color, depth);
-  sortEdges();
 }
 
-void SegmentTable::sumRun(SegmentSums& sums, int v, int begin_u, int end_u, const cv::Mat1f& saliency,
-                          const cv::Mat3b& color, const DepthMaps* depth) const {
+void SegmentTable::addRow(const Segmentation& segmentation, int v, const std::vector<double>& row_sums) {
+  const int* row = segmentation.labels[v];
+  for (int u = 0; u < size_.width;) {
+    const int begin = u, label = row[u];
+    while (u < size_.width && row[u] == label) ++u;
+    if (label >= segmentation.count) {
+      throw std::invalid_argument("SegmentTable: label " + std::to_string(label) + " where there are " +
+                                  std::to_string(segmentation.count) + " segments");
+    }
+    if (label >= 0) addRun(sums_[static_cast<std::size_t>(label)], v, begin, u, row_sums);
+  }
+}
+
+void SegmentTable::addRun(SegmentSums& sums, int v, int begin_u, int end_u, const std::vector<double>& row_sums) const {
   const auto begin = static_cast<std::size_t>(begin_u), end = static_cast<std::size_t>(end_u);
   if (sums.area == 0) {
     sums.min_u = begin_u;
@@ -180,43 +197,18 @@ void SegmentTable::sumRun(SegmentSums& sums, int v, int begin_u, int end_u, cons
                      x3 = power_3_[end] - power_3_[begin];
   sums.moments += {n, x1, n * y, x2, x1 * y, n * y * y, x3, x2 * y, x1 * y * y, n * y * y * y};
 
-  const float* saliency_row = saliency[v];
-  float saliency_sum = 0.0F;
-  for (int u = begin_u; u < end_u; ++u) saliency_sum += saliency_row[u];
-  sums.saliency += static_cast<double>(saliency_sum);
-
-  const cv::Vec3b* color_row = color[v];
-  std::array<int, 3> channel{};
-  std::int64_t squared = 0;
-  for (int u = begin_u; u < end_u; ++u) {
-    const int b = color_row[u][0], g = color_row[u][1], r = color_row[u][2];
-    channel[0] += b;
-    channel[1] += g;
-    channel[2] += r;
-    squared += b * b + g * g + r * r;
-  }
-  for (std::size_t c = 0; c < 3; ++c) sums.color[c] += channel[c];
-  sums.color_squared += static_cast<double>(squared);
-  if (depth == nullptr) return;
-
-  const cv::Vec3f* vertices = depth->vertices[v];
-  const cv::Vec3f* normals = depth->normals[v];
-  Four vertex = {}, normal = {}, scatter = {}, scatter_rest = {};  // the fourth of the first two counts
-  for (int u = begin_u; u < end_u; ++u) {                          // pixels without measurement add zeros
-    const cv::Vec3f& p = vertices[u];
-    const cv::Vec3f& n = normals[u];
-    vertex += Four{p[0], p[1], p[2], p[2] > 0.0F ? 1.0F : 0.0F};
-    normal += Four{n[0], n[1], n[2], n[0] != 0.0F || n[1] != 0.0F || n[2] != 0.0F ? 1.0F : 0.0F};
-    scatter += Four{p[0], p[0], p[0], p[1]} * Four{p[0], p[1], p[2], p[1]};
-    scatter_rest += Four{p[1], p[2], 0.0F, 0.0F} * p[2];
-  }
-  for (std::size_t i = 0; i < 3; ++i) sums.vertex[i] += static_cast<double>(vertex[i]);
-  for (std::size_t i = 0; i < 3; ++i) sums.normal[i] += static_cast<double>(normal[i]);
-  for (std::size_t i = 0; i < 4; ++i) sums.scatter[i] += static_cast<double>(scatter[i]);
-  for (std::size_t i = 0; i < 2; ++i) sums.scatter[4 + i] += static_cast<double>(scatter_rest[i]);
-  const int depth_count = static_cast<int>(vertex[3]), normal_count = static_cast<int>(normal[3]);
-  sums.depth_count += depth_count;
-  sums.normal_count += normal_count;
+  std::array<double, kRowSums> own;
+  const double *left = row_sums.data() + begin * kRowSums, *right = row_sums.data() + end * kRowSums;
+  for (std::size_t i = 0; i < kRowSums; ++i) own[i] = right[i] - left[i];
+  sums.saliency += own[kRowSaliency];
+  for (std::size_t i = 0; i < 3; ++i) sums.color[i] += own[kRowColor + i];
+  sums.color_squared += own[kRowColorSquared];
+  if (!has_depth_) return;
+  for (std::size_t i = 0; i < 3; ++i) sums.vertex[i] += own[kRowVertex + i];
+  for (std::size_t i = 0; i < 3; ++i) sums.normal[i] += own[kRowNormal + i];
+  for (std::size_t i = 0; i < 6; ++i) sums.scatter[i] += own[kRowScatter + i];
+  sums.depth_count += static_cast<int>(own[kRowDepthCount]);
+  sums.normal_count += static_cast<int>(own[kRowNormalCount]);
 }
 
 // Keeps about every n-th point, at irregular steps lest they fall into step with the image's columns; when the

@@ -191,7 +191,8 @@ std::string writeModel(const KernelExpansion& expansion, const Sigmoid& sigmoid)
       const double value = expansion.vectors[i * expansion.dimension + k];
       char text[32];
       std::snprintf(text, sizeof text, "%.4g", value);
-      if (value != 0.0) out << ' ' << k + 1 << ':' << text;
+      // The last index says how long a row is, so it is there even where its value is 0 throughout.
+      if (value != 0.0 || k + 1 == expansion.dimension) out << ' ' << k + 1 << ':' << text;
     }
     out << " \n";
   }

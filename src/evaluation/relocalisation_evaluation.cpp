@@ -7,10 +7,15 @@
 namespace saccade {
 namespace {
 
-bool isLocated(const Pose& T_WC, const Pose& truth) {
+using WrongPlace = RelocalisationScore::WrongPlace;
+
+WrongPlace errorOf(FrameIndex frame, const Pose& T_WC, const Pose& truth) {
   const Pose error = truth.inverse() * T_WC;
-  return error.translation().norm() < RelocalisationScore::kLocated_m &&
-         Eigen::AngleAxisd(error.linear()).angle() < RelocalisationScore::kLocated_rad;
+  return {frame, error.translation().norm(), Eigen::AngleAxisd(error.linear()).angle()};
+}
+
+bool isLocated(const WrongPlace& error) {
+  return error.error_m < RelocalisationScore::kLocated_m && error.error_rad < RelocalisationScore::kLocated_rad;
 }
 
 }  // namespace
@@ -36,7 +41,12 @@ void RelocalisationEvaluation::add(const RgbdFrame& frame, const std::optional<P
   score_.search_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   ++score_.frames;
   if (place) ++score_.accepted;
-  const bool located = place && T_WC && isLocated(place->tracking.T_WC, *T_WC);
+  bool located = false;
+  if (place && T_WC) {
+    const WrongPlace error = errorOf(frame.index, place->tracking.T_WC, *T_WC);
+    located = isLocated(error);
+    if (!located) score_.wrong_places.push_back(error);
+  }
   if (place && !located) ++score_.false_accepts;
   if (!T_WC) return;
   if (!frame.depth_m.empty() && coveredShare(frame, *T_WC) >= RelocalisationScore::kKnownShare) {

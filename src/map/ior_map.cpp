@@ -189,6 +189,9 @@ std::size_t IorMap::nodeCount() const {
 std::size_t IorMap::memoryBytes() const {
   return tree_->memoryUsage();
 }
+std::size_t IorMap::usedBytes() const {
+  return tree_->usedBytes();
+}
 MapTree IorMap::view() const {
   return tree_->view();
 }

@@ -228,11 +228,19 @@ IorOcTreeNode* IorOcTree::createInFamily(IorOcTreeNode* node, unsigned child_ind
 }
 
 void IorOcTree::updateInnerNodes() {
-  if (root != nullptr && !root->isLeaf()) deriveInnerNodes(root);
+  if (root != nullptr) updateInnerNodes(root);
+}
+
+void IorOcTree::updateInnerNodes(IorOcTreeNode* subtree) {
+  if (!subtree->isLeaf()) deriveInnerNodes(subtree);
 }
 
 std::size_t IorOcTree::memoryUsage() const {
   return sizeof(IorOcTree) + sizeof(IorOcTreeNode) + pool_->bytes();
+}
+
+std::size_t IorOcTree::usedBytes() const {
+  return pool_->usedBytes();
 }
 
 MapTree IorOcTree::view() const {

@@ -176,17 +176,21 @@ void collectTiles(MapNode node, const NodeKey& key, int depth, std::vector<NodeK
   }
 }
 
-void takeChanges(IorOcTreeNode* node, const NodeKey& key, int depth, std::vector<TileChange>& tiles) {
-  const bool changed = node->isLeaf() || node->changedBelow();
+/// Calls `visit` for the tiles below `node`, and `pass` for the nodes above them.
+template <typename Node, typename Visit, typename Pass>
+void walkTiles(Node* node, const NodeKey& key, int depth, const Visit& visit, const Pass& pass) {
   if (node->isLeaf() || key.depth == depth) {
-    if (!node->isLeaf()) node->clearChanged();
-    tiles.push_back({key, MapNode(node), changed});
+    visit(node, key);
     return;
   }
-  node->clearChanged();
+  pass(node);
   for (unsigned i = 0; i < 8; ++i) {
-    if ((node->childMask() >> i & 1u) != 0) takeChanges(node->child(i), childKey(key, i), depth, tiles);
+    if ((node->childMask() >> i & 1u) != 0) walkTiles(node->child(i), childKey(key, i), depth, visit, pass);
   }
+}
+
+TileChange changeOf(const IorOcTreeNode* tile, const NodeKey& key) {
+  return {key, MapNode(tile), tile->isLeaf() || tile->changedBelow()};
 }
 
 void requireTileDepth(int depth) {
@@ -216,6 +220,19 @@ IorOcTreeNode* makePlace(IorOcTree& tree, const NodeKey& key) {
   return node;
 }
 
+/// The nodes from the root down to `key`; empty if the map does not reach it.
+std::vector<IorOcTreeNode*> pathTo(IorOcTree& tree, const NodeKey& key) {
+  std::vector<IorOcTreeNode*> path;
+  IorOcTreeNode* node = tree.getRoot();
+  for (int depth = 0; node != nullptr; ++depth) {
+    path.push_back(node);
+    if (depth == key.depth) return path;
+    const unsigned i = childIndex(key.corner, depth);
+    node = (node->childMask() >> i & 1u) != 0 ? node->child(i) : nullptr;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<NodeKey> listTiles(const IorMap& map, int depth) {
@@ -229,8 +246,33 @@ std::vector<TileChange> takeTileChanges(IorMap& map, int depth) {
   requireTileDepth(depth);
   std::vector<TileChange> tiles;
   IorOcTreeNode* root = map.tree().getRoot();
-  if (root != nullptr) takeChanges(root, {}, depth, tiles);
+  if (root == nullptr) return tiles;
+  walkTiles(
+      root, {}, depth,
+      [&](IorOcTreeNode* tile, const NodeKey& key) {
+        tiles.push_back(changeOf(tile, key));
+        if (!tile->isLeaf()) tile->clearChanged();
+      },
+      [](IorOcTreeNode* above) { above->clearChanged(); });
   return tiles;
+}
+
+std::vector<TileChange> tileChanges(const IorMap& map, int depth) {
+  requireTileDepth(depth);
+  std::vector<TileChange> tiles;
+  const IorOcTreeNode* root = map.tree().getRoot();
+  if (root == nullptr) return tiles;
+  walkTiles(
+      root, {}, depth, [&](const IorOcTreeNode* tile, const NodeKey& key) { tiles.push_back(changeOf(tile, key)); },
+      [](const IorOcTreeNode*) {});
+  return tiles;
+}
+
+Eigen::AlignedBox3d boxOf(const NodeKey& node, double leaf_size_m) {
+  const Eigen::Vector3d corner(node.corner.x, node.corner.y, node.corner.z);
+  const Eigen::Vector3d low = (corner.array() - static_cast<double>(MapTree::kCentreKey)) * leaf_size_m;
+  const double edge_m = leaf_size_m * static_cast<double>(1 << (MapTree::kDepth - node.depth));
+  return {low, low + Eigen::Vector3d::Constant(edge_m)};
 }
 
 std::size_t appendTile(MapNode node, std::vector<std::byte>& out) {
@@ -260,6 +302,32 @@ std::vector<MapTile> encodeTiles(const IorMap& map, int depth) {
 std::size_t checkTile(const MapTile& tile, const std::filesystem::path& source) {
   if (!isSound(tile.root)) throw IoError(source, "a tile's place in the octree", nameOf(tile.root));
   return TileReader(tile, source).read(nullptr, nullptr);
+}
+
+void removeTile(IorMap& map, const NodeKey& root) {
+  IorOcTree& tree = map.tree();
+  const std::vector<IorOcTreeNode*> path = isSound(root) ? pathTo(tree, root) : std::vector<IorOcTreeNode*>();
+  if (path.empty() || path.back()->isLeaf()) throw std::invalid_argument("the map holds no inner " + nameOf(root));
+  // A node without children would be a leaf: those that held nothing else go too.
+  int depth = root.depth;
+  while (depth > 0 && std::has_single_bit(path[static_cast<std::size_t>(depth - 1)]->childMask())) --depth;
+  if (depth == 0) {
+    tree.clear();
+  } else {
+    tree.deleteNodeChild(path[static_cast<std::size_t>(depth - 1)], childIndex(root.corner, depth - 1));
+  }
+}
+
+void insertTile(IorMap& map, const MapTile& tile, const std::filesystem::path& source) {
+  checkTile(tile, source);
+  IorOcTree& tree = map.tree();
+  IorOcTreeNode* node = makePlace(tree, tile.root);
+  if (node == nullptr) throw IoError(source, "tiles that do not overlap", nameOf(tile.root) + " over another");
+  TileReader(tile, source).read(&tree, node);
+  IorOcTree::updateInnerNodes(node);
+  if (!node->isLeaf()) node->clearChanged();
+  const std::vector<IorOcTreeNode*> path = pathTo(tree, tile.root);
+  for (std::size_t depth = path.size() - 1; depth-- > 0;) path[depth]->updateOccupancyChildren();
 }
 
 IorMap restoreMap(const IorMapConfig& config, std::span<const MapTile> tiles, Tick now,

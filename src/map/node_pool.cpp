@@ -15,6 +15,7 @@ NodePool::~NodePool() {
 
 void NodePool::reset() {
   free_ = nullptr;
+  used_ = 0;
   chunks_used_ = 0;
   next_ = end_ = nullptr;
 }

@@ -20,6 +20,7 @@ class NodePool {
 
   /// A block of NodeLayout::kFamilyBytes with undefined content.
   [[nodiscard]] void* allocate() {
+    ++used_;
     if (free_ != nullptr) {
       FreeBlock* block = free_;
       free_ = block->next;
@@ -30,10 +31,16 @@ class NodePool {
     next_ += NodeLayout::kFamilyBytes;
     return block;
   }
-  void release(void* block) { free_ = ::new (block) FreeBlock{free_}; }
+  void release(void* block) {
+    --used_;
+    free_ = ::new (block) FreeBlock{free_};
+  }
   /// Forgets all blocks but keeps the chunks for new ones.
   void reset();
+  /// What the system gave.
   [[nodiscard]] std::size_t bytes() const { return chunks_.size() * kChunkBytes; }
+  /// What blocks in use take of it.
+  [[nodiscard]] std::size_t usedBytes() const { return used_ * NodeLayout::kFamilyBytes; }
 
  private:
   struct FreeBlock {
@@ -48,6 +55,7 @@ class NodePool {
   std::byte* next_ = nullptr;
   std::byte* end_ = nullptr;
   FreeBlock* free_ = nullptr;
+  std::size_t used_ = 0;
 };
 
 }  // namespace saccade

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "map/surface_volume_scratch.hpp"
 
@@ -53,19 +54,30 @@ std::int32_t SurfaceVolume::findOrAllocate(const BrickPosition& position) {
     slot = (slot + 1) & mask;
   }
   const std::size_t index = positions_.size();
-  if (index % kSlabBricks == 0) slabs_.push_back(std::make_unique<SurfaceBrick[]>(kSlabBricks));
-  slabs_.back()[index % kSlabBricks].distance.fill(SurfaceBrick::kUnknownDistance);
   positions_.push_back(position);
-  bricks_.push_back(&slabs_.back()[index % kSlabBricks]);
+  bricks_.push_back(takeRoom());
   last_change_.push_back(changes_);
   behind_.push_back(0);
   slots_[slot] = static_cast<std::int32_t>(index);
-  if (2 * positions_.size() > slots_.size()) enlargeSlots();
+  if (2 * positions_.size() > slots_.size()) buildSlots(2 * slots_.size());
   return static_cast<std::int32_t>(index);
 }
 
-void SurfaceVolume::enlargeSlots() {
-  slots_.assign(2 * slots_.size(), -1);
+/// Room for one brick, every sample unknown.
+SurfaceBrick* SurfaceVolume::takeRoom() {
+  if (free_.empty()) {
+    slabs_.push_back(std::make_unique_for_overwrite<SurfaceBrick[]>(kSlabBricks));
+    for (std::size_t i = kSlabBricks; i-- > 0;) free_.push_back(&slabs_.back()[i]);
+  }
+  SurfaceBrick* brick = free_.back();
+  free_.pop_back();
+  brick->distance.fill(SurfaceBrick::kUnknownDistance);
+  brick->weight.fill(0);
+  return brick;
+}
+
+void SurfaceVolume::buildSlots(std::size_t count) {
+  slots_.assign(count, -1);
   const std::size_t mask = slots_.size() - 1;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     std::size_t slot = hashOf(positions_[i]) & mask;
@@ -77,12 +89,43 @@ void SurfaceVolume::enlargeSlots() {
 void SurfaceVolume::importBrick(const BrickPosition& position, const SurfaceBrick& brick) {
   ++changes_;
   const auto index = static_cast<std::size_t>(findOrAllocate(position));
+  fill(index, brick);
+  last_change_[index] = changes_;
+}
+
+void SurfaceVolume::fill(std::size_t index, const SurfaceBrick& brick) {
   *bricks_[index] = brick;
   for (std::size_t i = 0; i < brick.weight.size(); ++i) {
     if (brick.weight[i] == 0) bricks_[index]->distance[i] = SurfaceBrick::kUnknownDistance;
   }
-  last_change_[index] = changes_;
   behind_[index] = blocksBehind(*bricks_[index], config_.band_cells);
+}
+
+void SurfaceVolume::returnBrick(const BrickPosition& position, const SurfaceBrick& brick) {
+  if (find(position) >= 0) throw std::logic_error("SurfaceVolume: a brick that was removed is there again");
+  const auto index = static_cast<std::size_t>(findOrAllocate(position));
+  fill(index, brick);
+  last_change_[index] = 0;
+}
+
+void SurfaceVolume::removeBricks(const std::function<bool(std::size_t)>& gone) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    if (gone(i)) {
+      free_.push_back(bricks_[i]);
+      continue;
+    }
+    positions_[kept] = positions_[i];
+    bricks_[kept] = bricks_[i];
+    last_change_[kept] = last_change_[i];
+    behind_[kept] = behind_[i];
+    ++kept;
+  }
+  positions_.resize(kept);
+  bricks_.resize(kept);
+  last_change_.resize(kept);
+  behind_.resize(kept);
+  buildSlots(slots_.size());
 }
 
 std::size_t SurfaceVolume::memoryBytes() const {

@@ -1,5 +1,6 @@
 #include "saccade/pipeline/explorer.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -66,9 +67,12 @@ struct Explorer::Stages {
   BackProjector projector;
   AttendLog log;
 
+  MapPager* pager = nullptr;
+
   ModelView model;
   std::vector<LeafKey> forgotten;  ///< leaves that this frame's integration freed
 
+  void bringBack(const Pose& T_WC);
   Tracking track(const DepthMaps& depth, double stamp_s, StageClock& clock);
   void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
   void remember(std::shared_ptr<const Keyframe> keyframe);
@@ -80,10 +84,24 @@ struct Explorer::Stages {
   void attend(FrameReport& report);
 };
 
+/// Has everything in memory that a look or an integration at `T_WC` can touch.
+void Explorer::Stages::bringBack(const Pose& T_WC) {
+  if (pager == nullptr) return;
+  const double band_m = config.surface.band_cells * config.surface.cell_m;
+  const double brick_m = SurfaceBrick::kSide * config.surface.cell_m;
+  const double farthest_m =
+      std::max({config.map.max_range_m, config.surface.max_range_m + band_m, config.rendering.far_m});
+  // Points at the image's edge have leaves, and bands of bricks, that reach beyond the frustum.
+  const double margin_m = band_m + 2.0 * brick_m + config.map.leaf_size_m;
+  pager->bringBack(ViewRegion(camera, T_WC, farthest_m, margin_m));
+}
+
 Tracking Explorer::Stages::track(const DepthMaps& depth, double stamp_s, StageClock& clock) {
   if (depth.depth_m.empty()) return {};  // colour alone cannot be tracked: lost
   const Pose prediction = motion.predict(stamp_s);
-  if (surface.empty()) {  // the first frame: W is its camera
+  bringBack(prediction);
+  const bool all_here = pager == nullptr || pager->holdsNothing();
+  if (surface.empty() && all_here) {  // the first frame: W is its camera
     Tracking first;
     first.T_WC = prediction;
     first.status = TrackingStatus::kTracked;
@@ -114,6 +132,7 @@ const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const DepthMap
                                           StageClock& clock) {
   if (tracking.status == TrackingStatus::kLost) return nullptr;
   motion.observe(frame.stamp_s, tracking.T_WC);
+  bringBack(tracking.T_WC);
   if (tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty()) {
     clock.time("integrate surface", [&] { surface.integrate(depth, tracking.T_WC); });
     forgotten = clock.time("integrate map", [&] { return map.integrate(depth, frame.color, tracking.T_WC).forgotten; });
@@ -158,6 +177,14 @@ void Explorer::restore(ExplorerMemory memory) {
   stages_->keyframes = KeyframeSet(config().keyframes);
   stages_->relocaliser = Relocaliser(config().relocalisation, config().verification, config().tracking);
   for (std::shared_ptr<const Keyframe>& keyframe : memory.keyframes) stages_->remember(std::move(keyframe));
+  pageBy(stages_->pager);
+}
+
+void Explorer::pageBy(MapPager* pager) {
+  Stages& s = *stages_;
+  s.pager = pager;
+  s.relocaliser.beforeEachLook([&s](const Pose& T_WC) { s.bringBack(T_WC); });
+  s.verifier.beforeEachLook([&s](const Pose& T_WC) { s.bringBack(T_WC); });
 }
 
 std::optional<VerifiedPlace> Explorer::findPlace(const RgbdFrame& frame) {
@@ -191,6 +218,9 @@ IorMap& Explorer::map() {
   return stages_->map;
 }
 const SurfaceVolume& Explorer::surface() const {
+  return stages_->surface;
+}
+SurfaceVolume& Explorer::surface() {
   return stages_->surface;
 }
 const KeyframeSet& Explorer::keyframes() const {
@@ -283,7 +313,7 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
   report.stamp_s = frame.stamp_s;
   StageClock clock;
 
-  const FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
+  FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
   report.seen = &look.seen;
   report.depth = look.has_depth ? &look.depth : nullptr;
 
@@ -294,10 +324,9 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
           Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, look.depth)});
     });
   }
-  Candidates pool = clock.time("propose", [&] { return proposeCandidates(look.seen, s.config.discovery.proposal); });
   const cv::Mat1b inhibited_pixels = report.ior != nullptr ? report.ior->inhibited : cv::Mat1b();
   InhibitionSplit split = clock.time("inhibit", [&] {
-    return withoutInhibited(std::move(pool), look.seen, inhibited_pixels, s.config.discovery.inhibition);
+    return withoutInhibited(std::move(look.pool), look.seen, inhibited_pixels, s.config.discovery.inhibition);
   });
   report.open = clock.time("rank", [&] { return s.ranker.rank(std::move(split.open), look.seen); });
   report.attended = std::min(report.open.size(), static_cast<std::size_t>(s.config.discovery.ranking.top_k));

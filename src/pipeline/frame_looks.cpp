@@ -38,6 +38,9 @@ void FrameLooks::perceive(const RgbdFrame& frame, FrameLook& look) {
                                        {"colour segments", times.color_ms},
                                        {"surface segments", times.surface_ms},
                                        {"segment tables", times.tables_ms}});
+  StageClock clock;
+  look.pool = clock.time("propose", [&] { return proposeCandidates(look.seen, proposal_); });
+  look.times.insert(look.times.end(), clock.stages().begin(), clock.stages().end());
 }
 
 void FrameLooks::beginAhead(const RgbdFrame& next) {

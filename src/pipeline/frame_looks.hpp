@@ -8,6 +8,7 @@
 #include "saccade/core/frame.hpp"
 #include "saccade/discovery/perceiver.hpp"
 #include "saccade/discovery/perception.hpp"
+#include "saccade/discovery/proposals.hpp"
 #include "saccade/pipeline/explorer_config.hpp"
 #include "saccade/pipeline/frame_report.hpp"
 
@@ -18,17 +19,21 @@ struct FrameLook {
   DepthMaps depth;
   bool has_depth = false;
   Perception seen;
+  Candidates pool;  ///< proposed by what was seen
   std::vector<StageTime> times;
 };
 
-/// The part of figure 1 that needs nothing but the frame: depth maps, saliency, segments. It can be begun for the frame
-/// that comes next while the map still works on the one before.
+/// The part of figure 1 that needs nothing but the frame: depth maps, saliency, segments, proposals. It can be begun
+/// for the frame that comes next while the map still works on the one before.
 ///
 /// Holds two looks, the one in use and the one ahead. Serves one thread; the look ahead is a task of TBB.
 class FrameLooks {
  public:
   FrameLooks(const ExplorerConfig& config, const PinholeCamera& camera)
-      : camera_(camera), preparation_(config.depth), perceiver_(config.discovery.perception) {}
+      : camera_(camera),
+        preparation_(config.depth),
+        perceiver_(config.discovery.perception),
+        proposal_(config.discovery.proposal) {}
   ~FrameLooks() { task_.wait(); }
   FrameLooks(const FrameLooks&) = delete;
   FrameLooks& operator=(const FrameLooks&) = delete;
@@ -48,6 +53,7 @@ class FrameLooks {
   PinholeCamera camera_;
   DepthPreparation preparation_;
   Perceiver perceiver_;
+  ProposalConfig proposal_;
   FrameLook looks_[2];
   int current_ = 0;
   RgbdFrame ahead_;  // shares its images; without any: nothing is ahead

@@ -31,6 +31,21 @@ bool CheckpointThread::idle() {
   return in_work_ == nullptr;
 }
 
+void CheckpointThread::waitUntilIdle() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return in_work_ == nullptr; });
+}
+
+void CheckpointThread::limitSize(std::uint64_t bytes) {
+  waitUntilIdle();
+  writer_->limitSize(bytes);
+}
+
+bool CheckpointThread::full() {
+  const std::lock_guard lock(mutex_);
+  return full_;
+}
+
 void CheckpointThread::write(std::unique_ptr<Checkpoint>& checkpoint) {
   {
     const std::lock_guard lock(mutex_);
@@ -71,6 +86,7 @@ void CheckpointThread::work() {
     }
     lock.lock();
     failure_ = failure;
+    full_ = writer_->full();
     spare_ = std::move(in_work_);
     changed_.notify_all();
     if (failure_) return;

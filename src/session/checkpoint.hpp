@@ -39,6 +39,10 @@ class CheckpointThread {
 
   /// Whether the last checkpoint is durable. Throws what writing it threw.
   [[nodiscard]] bool idle();
+  void waitUntilIdle();
+  /// As SessionWriter::limitSize(), and full() as of the last checkpoint that is durable.
+  void limitSize(std::uint64_t bytes);
+  [[nodiscard]] bool full();
   /// Takes what `checkpoint` holds and leaves an empty one to be filled. Only when idle().
   void write(std::unique_ptr<Checkpoint>& checkpoint);
   /// Waits, then writes the last checkpoint and ends the session. Throws what either threw.
@@ -54,6 +58,7 @@ class CheckpointThread {
   std::unique_ptr<Checkpoint> spare_;    // to be handed out
   std::unique_ptr<Checkpoint> in_work_;  // null: idle
   bool ending_ = false;
+  bool full_ = false;
   std::exception_ptr failure_;
   std::thread thread_;
 };

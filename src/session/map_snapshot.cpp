@@ -5,6 +5,7 @@
 
 #include "saccade/map/map_tiles.hpp"
 #include "session/map_blobs.hpp"
+#include "session/session_pager.hpp"
 
 namespace saccade {
 
@@ -40,7 +41,15 @@ MapChanges MapChanges::noneIn(Explorer& explorer) {
   }
   std::sort(changes.tiles_.begin(), changes.tiles_.end());
   changes.surface_changes_ = explorer.surface().changes();
-  changes.bricks_ = explorer.surface().bricks().size();
+  changes.ticks_ = explorer.attendLog().tickCount();
+  return changes;
+}
+
+MapChanges MapChanges::noneIn(Explorer& explorer, const SessionReader& session) {
+  MapChanges changes;
+  for (const BlobKey& tile : session.blobKeys(BlobTable::kTiles)) {
+    changes.tiles_.push_back({tile.key, static_cast<std::size_t>(tile.items)});
+  }
   changes.ticks_ = explorer.attendLog().tickCount();
   return changes;
 }
@@ -56,7 +65,12 @@ std::int64_t MapChanges::leaves() const {
   });
 }
 
-void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot) {
+std::optional<std::size_t> MapChanges::leavesOf(std::uint64_t tile_key) const {
+  const Tile* tile = find(tile_key);
+  return tile != nullptr ? std::optional(tile->leaves) : std::nullopt;
+}
+
+void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot, const SessionPager* pager) {
   snapshot.clear();
   std::vector<Tile> tiles;
   for (const TileChange& change : takeTileChanges(explorer.map())) {
@@ -70,6 +84,9 @@ void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot) {
     tiles.push_back({key, appendTile(change.node, snapshot.bytes_)});
     snapshot.parts_.push_back({BlobTable::kTiles, key, tiles.back().leaves, begin, snapshot.bytes_.size() - begin});
   }
+  for (const Tile& known : tiles_) {
+    if (pager != nullptr && pager->isAway(known.key)) tiles.push_back(known);
+  }
   std::sort(tiles.begin(), tiles.end());
   std::swap(tiles, tiles_);
   for (const Tile& old : tiles) {
@@ -78,13 +95,12 @@ void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot) {
 
   const SurfaceVolume& surface = explorer.surface();
   for (std::size_t i = 0; i < surface.bricks().size(); ++i) {
-    if (i < bricks_ && surface.lastChange(i) <= surface_changes_) continue;
+    if (surface.lastChange(i) <= surface_changes_) continue;
     const SurfaceBrick& brick = surface.brick(i);
     static_assert(sizeof brick == sizeof brick.distance + sizeof brick.weight, "a brick's bytes are its samples");
     snapshot.add(BlobTable::kBricks, brickKey(surface.bricks()[i]), 1, &brick, sizeof brick);
   }
   surface_changes_ = surface.changes();
-  bricks_ = surface.bricks().size();
 
   const AttendLog& log = explorer.attendLog();
   for (; ticks_ < log.tickCount(); ++ticks_) {

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "saccade/pipeline/explorer.hpp"
+#include "saccade/session/session_reader.hpp"
 #include "saccade/session/session_writer.hpp"
 
 namespace saccade {
+
+class SessionPager;
 
 /// Copies of the parts of map, surface volume and attend log that changed, so that they can be compressed and written
 /// while exploration goes on. To be recycled: fresh memory costs more than the copying.
@@ -44,12 +48,18 @@ class MapChanges {
   MapChanges() = default;
   /// Of a session that holds everything that `explorer` has learnt.
   [[nodiscard]] static MapChanges noneIn(Explorer& explorer);
+  /// Of a session of which `explorer` holds all but the map, which its pager brings.
+  [[nodiscard]] static MapChanges noneIn(Explorer& explorer, const SessionReader& session);
 
-  /// Fills `snapshot` with what changed since the last call. Cost: the changed parts, and a glance at each tile and
-  /// brick.
-  void take(Explorer& explorer, MapSnapshot& snapshot);
+  /// Fills `snapshot` with what changed since the last call. Tiles that are not in memory any more are removed from the
+  /// session, unless `pager` has put them away. Cost: the changed parts, and a glance at each tile and brick.
+  void take(Explorer& explorer, MapSnapshot& snapshot, const SessionPager* pager = nullptr);
   /// Leaves of the map at the last call.
   [[nodiscard]] std::int64_t leaves() const;
+  /// Leaves of a tile at the last call; none if it was not there.
+  [[nodiscard]] std::optional<std::size_t> leavesOf(std::uint64_t tile_key) const;
+  /// SurfaceVolume::changes() at the last call.
+  [[nodiscard]] std::uint64_t surfaceChanges() const { return surface_changes_; }
 
  private:
   /// A tile that the session holds.
@@ -63,7 +73,6 @@ class MapChanges {
 
   std::vector<Tile> tiles_;  // in rising order of their keys
   std::uint64_t surface_changes_ = 0;
-  std::size_t bricks_ = 0;
   std::size_t ticks_ = 0;
 };
 

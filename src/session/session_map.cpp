@@ -10,13 +10,6 @@
 namespace saccade {
 namespace {
 
-Eigen::AlignedBox3d boxOf(const NodeKey& node, double leaf_size_m) {
-  const Eigen::Vector3d corner(node.corner.x, node.corner.y, node.corner.z);
-  const Eigen::Vector3d low = (corner.array() - static_cast<double>(MapTree::kCentreKey)) * leaf_size_m;
-  const double edge_m = leaf_size_m * static_cast<double>(1 << (MapTree::kDepth - node.depth));
-  return {low, low + Eigen::Vector3d::Constant(edge_m)};
-}
-
 /// From the first sample of a brick to the next brick's first: the last samples' cells reach so far.
 Eigen::AlignedBox3d boxOf(const BrickPosition& brick, double cell_m) {
   const double edge_m = SurfaceBrick::kSide * cell_m;
@@ -28,6 +21,10 @@ Eigen::AlignedBox3d boxOf(const BrickPosition& brick, double cell_m) {
 
 MapRegion MapRegion::everything() {
   return MapRegion([](const Eigen::AlignedBox3d&) { return true; });
+}
+
+MapRegion MapRegion::nothing() {
+  return MapRegion([](const Eigen::AlignedBox3d&) { return false; });
 }
 
 MapRegion MapRegion::box(const Eigen::AlignedBox3d& box_W) {

@@ -279,6 +279,20 @@ void SessionReader::visitBlobs(BlobTable table, const std::function<bool(std::ui
   });
 }
 
+std::vector<BlobKey> SessionReader::blobKeys(BlobTable table) const {
+  return database_->use(kWhole, [&] {
+    std::vector<BlobKey> keys;
+    SQLite::Statement query(database_->sqlite(),
+                            std::string("SELECT key, items FROM ") + nameOf(table) + " ORDER BY key");
+    while (query.executeStep()) {
+      RowReader row(query);
+      const auto key = static_cast<std::uint64_t>(row.integer());
+      keys.push_back({key, static_cast<std::uint64_t>(row.integer())});
+    }
+    return keys;
+  });
+}
+
 std::optional<BlobRecord> SessionReader::blob(BlobTable table, std::uint64_t key) const {
   return database_->use(kWhole, [&]() -> std::optional<BlobRecord> {
     SQLite::Statement query(database_->sqlite(), blobQuery(table) + " WHERE key = ?");

@@ -4,11 +4,13 @@
 
 #include "saccade/core/config_file.hpp"
 #include "saccade/core/errors.hpp"
+#include "saccade/discovery/candidate_box.hpp"
 #include "saccade/discovery/candidate_json.hpp"
 #include "saccade/session/session_map.hpp"
 #include "session/checkpoint.hpp"
 #include "session/map_snapshot.hpp"
 #include "session/motion_state.hpp"
+#include "session/session_pager.hpp"
 
 namespace saccade {
 namespace {
@@ -43,7 +45,8 @@ CandidateRecord recordOf(const FrameReport& report, FrameOrdinal ordinal, std::s
   record.mask_rle = std::move(outline.mask);
   if (report.depth != nullptr && report.T_WC()) {
     if (const auto box = candidateBox(candidate, *report.seen, *report.depth, *report.T_WC())) {
-      record.box3d_m = {box->min().x(), box->min().y(), box->min().z(), box->max().x(), box->max().y(), box->max().z()};
+      const Eigen::Vector3d low = box->min().cast<double>(), high = box->max().cast<double>();
+      record.box3d_m = {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
     }
   }
   record.features.assign(candidate.features.begin(), candidate.features.end());
@@ -56,6 +59,8 @@ CandidateRecord recordOf(const FrameReport& report, FrameOrdinal ordinal, std::s
 SessionSink::SessionSink(std::unique_ptr<SessionWriter> writer, Explorer& explorer, CandidateOutliner outliner,
                          const RunRecord& run, const SessionMetadata* before, double checkpoint_interval_s)
     : explorer_(explorer),
+      path_(writer->path()),
+      going_on_(before != nullptr),
       outliner_(std::move(outliner)),
       interval_(checkpoint_interval_s),
       last_checkpoint_(std::chrono::steady_clock::now()),
@@ -95,8 +100,9 @@ void SessionSink::accept(const RgbdFrame& frame, const FrameReport& report) {
     checkpoint_->keyframes.push_back({ordinal, report.keyframe->T_WC, frame.color.clone(), frame.depth_m.clone(),
                                       encodeFeatures(report.keyframe->features)});
   }
+  const bool crowded = pager_ != nullptr && pager_->crowded() && makeRoom();
   const auto now = std::chrono::steady_clock::now();
-  if (!thread_->idle() || now - last_checkpoint_ < interval_) return;
+  if (!thread_->idle() || (!crowded && now - last_checkpoint_ < interval_)) return;
   last_checkpoint_ = now;
   fill();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - now;
@@ -104,9 +110,40 @@ void SessionSink::accept(const RgbdFrame& frame, const FrameReport& report) {
   thread_->write(checkpoint_);
 }
 
+/// Drops from memory what the session holds; whether a checkpoint would let more be dropped that is needed.
+bool SessionSink::makeRoom() {
+  // A checkpoint in work is waited for: until it is durable, nothing that it found may be dropped.
+  thread_->waitUntilIdle();
+  const bool unsaved = pager_->drop(*changes_);
+  return unsaved && pager_->crowded();
+}
+
+void SessionSink::limitMemory(std::size_t bytes) {
+  pager_ = std::make_unique<SessionPager>(explorer_, path_, bytes);
+  if (going_on_ && std::as_const(explorer_).surface().empty()) {
+    const SessionReader session(path_);
+    pager_->startFrom(session);
+    *changes_ = MapChanges::noneIn(explorer_, session);
+  }
+}
+
+void SessionSink::limitSize(std::uint64_t bytes) {
+  thread_->limitSize(bytes);
+}
+
+bool SessionSink::full() {
+  return thread_->full();
+}
+
+PagingReport SessionSink::paging() const {
+  if (pager_ == nullptr) return {};
+  const SessionPager::Statistics& done = pager_->statistics();
+  return {done.dropped, done.returned, std::max(done.most_bytes, pager_->bytes())};
+}
+
 /// Copies what changed in the explorer since the last checkpoint.
 void SessionSink::fill() {
-  changes_->take(explorer_, checkpoint_->map);
+  changes_->take(explorer_, checkpoint_->map, pager_.get());
   checkpoint_->state[kMotionState] = encodeMotion(explorer_.motion());
   metadata_.tick = explorer_.map().now().value;
   metadata_.leaves = changes_->leaves();
@@ -115,14 +152,27 @@ void SessionSink::fill() {
 
 void SessionSink::finish() {
   fill();
+  if (pager_ != nullptr) pager_->close();  // a reader that stays would keep the session in two files
   thread_->finish(*checkpoint_);
 }
 
-ExplorerMemory loadMemory(const SessionReader& session) {
+namespace {
+
+ExplorerMemory loadMemory(const SessionReader& session, const MapRegion& region) {
   const std::optional<std::string> motion = session.state(kMotionState);
   if (!motion) throw IoError(session.path(), "the state of a tracked exploration to go on with", "none");
-  return {loadMap(session), loadSurface(session), loadAttendLog(session), decodeMotion(*motion, session.path()),
-          loadKeyframes(session)};
+  return {loadMap(session, region), loadSurface(session, region), loadAttendLog(session),
+          decodeMotion(*motion, session.path()), loadKeyframes(session)};
+}
+
+}  // namespace
+
+ExplorerMemory loadMemory(const SessionReader& session) {
+  return loadMemory(session, MapRegion::everything());
+}
+
+ExplorerMemory loadMemoryWithoutMap(const SessionReader& session) {
+  return loadMemory(session, MapRegion::nothing());
 }
 
 }  // namespace saccade

@@ -223,8 +223,37 @@ void SessionWriter::finish(const SessionMetadata& metadata) {
   lock_.reset();
 }
 
+/// Bytes of the file that hold something; what was freed is used again.
+std::uint64_t SessionWriter::usedBytes() const {
+  const auto number = [&](const char* pragma) {
+    return static_cast<std::uint64_t>(database_->sqlite().execAndGet(pragma).getInt64());
+  };
+  return (number("PRAGMA page_count") - number("PRAGMA freelist_count")) * number("PRAGMA page_size");
+}
+
+/// Drops the images of every second keyframe that has some; whether there were at least two.
+bool SessionWriter::thinKeyframes() {
+  const int thinned = database_->sqlite().exec(
+      "UPDATE keyframes SET color = x'', color_crc32c = 0, depth = x'', depth_crc32c = 0 WHERE ordinal IN "
+      "(SELECT ordinal FROM (SELECT ordinal, row_number() OVER (ORDER BY ordinal) AS n FROM keyframes "
+      "WHERE length(color) > 0) WHERE n % 2 = 0)");
+  return thinned > 0;
+}
+
+void SessionWriter::keepToLimit() {
+  if (size_limit_ == 0) return;
+  const std::uint64_t taken = std::max(usedBytes(), committed_bytes_) - committed_bytes_;
+  // Two more commits come once it is full: one that is being filled, and the last. And a share for the objects.
+  const std::uint64_t reserve = 2 * taken + size_limit_ / 16;
+  do {
+    full_ = usedBytes() + reserve > size_limit_;
+  } while (full_ && thinKeyframes());
+  committed_bytes_ = usedBytes();
+}
+
 void SessionWriter::end(const SessionMetadata& metadata) {
   database_->use("room for the session", [&] {
+    keepToLimit();
     for (const auto& [key, value] : metadataToText(metadata)) insert(statements_->meta, key, value);
     database_->sqlite().exec("COMMIT");
     if (partial_.empty()) database_->sqlite().exec("PRAGMA wal_checkpoint(PASSIVE)");

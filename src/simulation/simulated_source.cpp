@@ -13,6 +13,7 @@
 #include "saccade/simulation/scene_renderer.hpp"
 #include "saccade/simulation/sensor_noise.hpp"
 #include "simulation/exposure.hpp"
+#include "sources/stamp_units.hpp"
 
 namespace saccade {
 namespace {
@@ -145,7 +146,7 @@ ReadStatus SimulatedSource::read(RgbdFrame& frame) {
   std::snprintf(name, sizeof name, "-%06lld", static_cast<long long>(index));
   frame.index.value = index;
   frame.name = p.request.scene + name;
-  frame.stamp_s = static_cast<double>(index) / kFramesPerSecond;
+  frame.stamp_s = inWholeMicroseconds(static_cast<double>(index) / kFramesPerSecond);
   frame.T_WC = p.cameraPose(index);
 
   // The frame lends its buffers to the renderer.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <rosbag/bag.h>
@@ -109,6 +110,7 @@ class BagRecorder final : public RecordingWriter {
 
   void finish() override {
     guarded([&] { bag_->close(); });
+    if (scaled_) writeSideFile();
     file_.complete();
   }
 
@@ -136,19 +138,40 @@ class BagRecorder final : public RecordingWriter {
     bag_->write("/tf_static", logged, TransformMessage{{transformOf(T_CD, kColorFrame, kDepthFrame, logged)}});
   }
 
+  [[nodiscard]] bool isMeasured(std::uint16_t raw) const {
+    const std::vector<std::uint16_t>& invalid = calibration_.depth_invalid;
+    return raw != 0 && raw != 65535 && std::find(invalid.begin(), invalid.end(), raw) == invalid.end();
+  }
+
   void setDepth(const SensorFrame& frame) {
     if (!frame.depth_m.empty()) return setPixels(frame.depth_m, "32FC1", depth_);
-    if (calibration_.depth_units_per_metre == kMillimetres && calibration_.depth_invalid.empty()) {
-      return setPixels(frame.raw_depth, "16UC1", depth_);
+    const auto& raw = frame.raw_depth;
+    if (calibration_.depth_units_per_metre == kMillimetres) {
+      depth_mm_.create(raw.size());
+      std::transform(raw.begin(), raw.end(), depth_mm_.begin(),
+                     [&](std::uint16_t value) { return isMeasured(value) ? value : std::uint16_t{0}; });
+      return setPixels(depth_mm_, "16UC1", depth_);
     }
     const auto metres_per_unit = static_cast<float>(1.0 / calibration_.depth_units_per_metre);
-    const std::vector<std::uint16_t>& invalid = calibration_.depth_invalid;
-    depth_m_.create(frame.raw_depth.size());
-    std::transform(frame.raw_depth.begin(), frame.raw_depth.end(), depth_m_.begin(), [&](std::uint16_t raw) {
-      const bool measured = raw != 0 && raw != 65535 && std::find(invalid.begin(), invalid.end(), raw) == invalid.end();
-      return measured ? static_cast<float>(raw) * metres_per_unit : std::numeric_limits<float>::quiet_NaN();
+    depth_m_.create(raw.size());
+    std::transform(raw.begin(), raw.end(), depth_m_.begin(), [&](std::uint16_t value) {
+      return isMeasured(value) ? static_cast<float>(value) * metres_per_unit : std::numeric_limits<float>::quiet_NaN();
     });
     setPixels(depth_m_, "32FC1", depth_);
+    scaled_ = true;
+  }
+
+  /// Metres do not tell which unit the sensor counts; recording the bag again takes it from here.
+  void writeSideFile() const {
+    RgbdCalibration stored = calibration_;
+    stored.depth_invalid.clear();
+    std::filesystem::path side = file_.path();
+    side += ".yaml";
+    std::ofstream yaml(side);
+    yaml << "# written by saccade record: the bag's own calibration, and the sensor's unit of depth\n"
+         << calibrationYaml(stored);
+    yaml.flush();
+    if (!yaml) throw IoError(side, "room for the calibration", "it could not be written in full");
   }
 
   PartialFile file_;
@@ -157,9 +180,10 @@ class BagRecorder final : public RecordingWriter {
   std::string depth_topic_;
   CameraInfoMessage color_info_, depth_info_;
   ImageMessage color_, depth_;
+  cv::Mat1w depth_mm_;
   cv::Mat1f depth_m_;
   std::int64_t written_ = 0;
-  bool lost_labels_ = false;
+  bool scaled_ = false, lost_labels_ = false;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "saccade/core/multiversion.hpp"
+#include "sources/stamp_units.hpp"
 
 namespace saccade {
 namespace {
@@ -76,7 +77,7 @@ ReadStatus IdealFrames::read(RgbdFrame& frame) {
   if (status == ReadStatus::kEnd) return status;
   frame.index = raw_.index;
   frame.name = raw_.name;
-  frame.stamp_s = raw_.stamp_s;
+  frame.stamp_s = inWholeMicroseconds(raw_.stamp_s);
   frame.T_WC = raw_.T_WC;
   if (status == ReadStatus::kSkip) {
     skip_reason_ = sensor_->skipReason();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "saccade/core/errors.hpp"
+#include "sources/oni_file.hpp"
+#include "sources/oni_first_stamps.hpp"
 #include "sources/openni2_library.hpp"
 #include "sources/recorders.hpp"
 #include "virtual_camera/depth_format.hpp"
@@ -43,6 +46,7 @@ class OniRecorder final : public RecordingWriter {
                          streams_.color.start() == openni::STATUS_OK && streams_.depth.start() == openni::STATUS_OK &&
                          recorder_.start() == openni::STATUS_OK;
     if (!started) throw IoError(file_.partialPath(), "a recording that can be started", openNi2Error());
+    awaitRecorded();  // frames that come before the recorder's thread has started are forgotten
   }
 
   void write(const SensorFrame& frame) override {
@@ -50,25 +54,31 @@ class OniRecorder final : public RecordingWriter {
     cv::cvtColor(frame.color, rgb_, cv::COLOR_BGR2RGB);
     pushed.rgb = rgb_.data;
     if (frame.hasDepth()) {
-      virtual_camera::toOpenNi2Depth(recorded_depth_.of(frame), calibration_, format_, depth_);
+      beyond_ += virtual_camera::toOpenNi2Depth(recorded_depth_.of(frame), calibration_, format_, depth_);
       pushed.depth = depth_[0];
-      ++depth_frames_;
     }
-    pushed.stamp_us = static_cast<std::uint64_t>(stampIn(kMicroseconds, frame.stamp_s));
+    pushed.stamp_us = stampIn(kMicroseconds, frame.stamp_s);
     if (streams_.device.invoke(virtual_camera::kPushCommand, &pushed, sizeof pushed) != openni::STATUS_OK) {
       throw IoError(file_.partialPath(), "a frame that can be recorded", openNi2Error());
     }
-    ++color_frames_;
+    if (color_frames_ == 0) first_stamps_.color_us = pushed.stamp_us;
+    if (pushed.depth != nullptr && depth_frames_ == 0) first_stamps_.depth_us = pushed.stamp_us;
+    depth_frames_ += pushed.depth != nullptr ? 1 : 0;
+    // Frames wait in memory to be written: a slow disk must not fill it.
+    constexpr int kMostWaiting = 32;
+    if (++color_frames_ % kMostWaiting == 0) awaitRecorded();
     lost_labels_ |= !frame.label.empty();
     lost_poses_ |= frame.T_WC.has_value();
   }
 
   void finish() override {
-    awaitLastFrame();
+    awaitRecorded();
     recorder_.stop();
     recorder_.destroy();
     streams_.close();
-    requireAllFrames();
+    const OniFileExtent extent = readOniExtent(file_.partialPath());
+    requireAllFrames(extent);
+    closeOniGap(file_.partialPath(), extent);
     writeSideFile();
     file_.complete();
   }
@@ -79,47 +89,53 @@ class OniRecorder final : public RecordingWriter {
     if (recorded_depth_.rounded() || (units != 1000.0 && units != 5000.0 && units != 10000.0)) {
       losses.emplace_back("depth was rounded to 0.1 mm");
     }
-    if (format_ == ONI_PIXEL_FORMAT_DEPTH_100_UM) losses.emplace_back("depth beyond 6.55 m has no place in 0.1 mm");
+    if (beyond_ > 0) losses.push_back(fmt::format("{} depth pixels beyond 6.55 m, the most in 0.1 mm", beyond_));
     if (lost_labels_) losses.emplace_back("labels have no place in an .oni file");
     if (lost_poses_) losses.emplace_back("poses have no place in an .oni file");
     return losses;
   }
 
  private:
-  /// OpenNI2 records on a thread of its own and forgets what is on the way when it is stopped, without a word. So the
-  /// file must have stopped growing; requireAllFrames() judges whether that was enough.
-  void awaitLastFrame() const {
+  /// OpenNI2 records on a thread of its own and forgets what is on the way when it is stopped, without a word. It takes
+  /// frames and properties in order: once a property is in the file, all frames before it are too.
+  void awaitRecorded() {
     using namespace std::chrono_literals;
-    constexpr auto kStep = 20ms, kQuiet = 300ms, kPatience = 20000ms;
+    constexpr auto kStep = 2ms, kPatience = 15000ms;
+    std::string mark = fmt::format("saccade-recorded-{:08}", ++marks_);
+    if (streams_.device.invoke(virtual_camera::kMarkCommand, mark.data(), static_cast<int>(mark.size())) !=
+        openni::STATUS_OK) {
+      throw IoError(file_.partialPath(), "a recording that can be marked", openNi2Error());
+    }
     std::uintmax_t last_size = 0;
-    auto quiet = 0ms;
-    for (auto waited = 0ms; waited < kPatience && quiet < kQuiet; waited += kStep) {
-      std::this_thread::sleep_for(kStep);
+    for (auto waited = 0ms; waited < kPatience; waited += kStep) {
       std::error_code unknown;
       const std::uintmax_t size = std::filesystem::file_size(file_.partialPath(), unknown);
-      quiet = !unknown && size == last_size ? quiet + kStep : 0ms;
+      if (!unknown && size != last_size) waited = 0ms;
       last_size = size;
+      if (!unknown && fileEndHas(mark)) return;
+      std::this_thread::sleep_for(kStep);
     }
+    throw IoError(file_.partialPath(), "room for the recording", "a file that no longer grows");
   }
 
-  /// OpenNI2 does not tell when a disk is full; the recording does, when it is opened again.
-  void requireAllFrames() const {
-    openni::Device device;
-    openni::VideoStream color, depth;
-    int colors = 0, depths = 0;
-    if (device.open(file_.partialPath().c_str()) == openni::STATUS_OK &&
-        color.create(device, openni::SENSOR_COLOR) == openni::STATUS_OK &&
-        depth.create(device, openni::SENSOR_DEPTH) == openni::STATUS_OK && device.getPlaybackControl() != nullptr) {
-      colors = device.getPlaybackControl()->getNumberOfFrames(color);
-      depths = device.getPlaybackControl()->getNumberOfFrames(depth);
-    }
-    color.destroy();
-    depth.destroy();
-    device.close();
-    if (colors == color_frames_ && depths == depth_frames_) return;
+  [[nodiscard]] bool fileEndHas(const std::string& mark) const {
+    constexpr std::streamoff kEnd = 4096;  // more than a property takes
+    std::ifstream file(file_.partialPath(), std::ios::binary | std::ios::ate);
+    const std::streamoff size = file ? static_cast<std::streamoff>(file.tellg()) : 0;
+    std::string end(static_cast<std::size_t>(std::min(size, kEnd)), '\0');
+    file.seekg(size - static_cast<std::streamoff>(end.size()));
+    file.read(end.data(), static_cast<std::streamsize>(end.size()));
+    return end.find(mark) != std::string::npos;
+  }
+
+  /// OpenNI2 does not tell when a disk is full; the file itself does.
+  void requireAllFrames(const OniFileExtent& extent) const {
+    std::int64_t frames = 0;
+    for (const OniStreamExtent& stream : extent.streams) frames += stream.frames;
+    if (extent.is_known_format && extent.isWhole() && frames == color_frames_ + depth_frames_) return;
     throw IoError(file_.partialPath(),
                   fmt::format("room for {} frames of colour and {} of depth", color_frames_, depth_frames_),
-                  fmt::format("{} and {} in the file", colors, depths));
+                  fmt::format("{} frames in the file", frames));
   }
 
   void writeSideFile() const {
@@ -130,7 +146,7 @@ class OniRecorder final : public RecordingWriter {
     side += ".yaml";
     std::ofstream yaml(side);
     yaml << "# written by saccade record: the full calibration, of which .oni files only keep the field of view\n"
-         << calibrationYaml(stored);
+         << calibrationYaml(stored) << oniFirstStampsYaml(first_stamps_);
     yaml.flush();
     if (!yaml) throw IoError(side, "room for the calibration", "it could not be written in full");
   }
@@ -144,7 +160,9 @@ class OniRecorder final : public RecordingWriter {
   openni::Recorder recorder_;
   cv::Mat3b rgb_;
   cv::Mat1w depth_;
-  int color_frames_ = 0, depth_frames_ = 0;
+  OniFirstStamps first_stamps_;
+  std::int64_t beyond_ = 0;
+  int color_frames_ = 0, depth_frames_ = 0, marks_ = 0;
   bool lost_labels_ = false, lost_poses_ = false;
 };
 

@@ -1,10 +1,14 @@
 #include <array>
+#include <chrono>
 #include <cstdint>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "saccade/core/errors.hpp"
 #include "sources/ideal_frames.hpp"
+#include "sources/oni_file.hpp"
+#include "sources/oni_first_stamps.hpp"
 #include "sources/openni2_library.hpp"
 #include "sources/recorders.hpp"
 #include "sources/recording_files.hpp"
@@ -20,6 +24,7 @@ class OniSource final : public SensorSource {
  public:
   OniSource(const std::filesystem::path& path, const FrameRange& range)
       : path_(path), library_(path.string()), cursor_(range) {
+    requireWhole();
     streams_.open(std::filesystem::absolute(path).c_str(), path.string());
     settleCalibration();
     openni::PlaybackControl* playback = streams_.device.getPlaybackControl();
@@ -38,6 +43,9 @@ class OniSource final : public SensorSource {
     describe();
     if (streams_.color.start() != openni::STATUS_OK || streams_.depth.start() != openni::STATUS_OK) {
       throw IoError(path, "streams that can be started", openNi2Error());
+    }
+    if (!streams_.awaitFrame(std::chrono::milliseconds(kPatience_ms))) {
+      throw IoError(path, "frames", fmt::format("none within {} s", kPatience_ms / 1000));
     }
   }
 
@@ -66,7 +74,20 @@ class OniSource final : public SensorSource {
  private:
   enum Place { kColor, kDepth, kPlaces };
 
+  /// The player opens no recording that is cut off, and does not say why.
+  void requireWhole() const {
+    const OniFileExtent extent = readOniExtent(path_);
+    if (!extent.is_known_format || extent.isWhole()) return;
+    std::string found;
+    for (const OniStreamExtent& stream : extent.streams) {
+      found += (found.empty() ? "" : " and ") + std::to_string(stream.frames);
+    }
+    throw IoError(path_, "a whole OpenNI2 recording",
+                  "one that is cut off or was never finished, after " + found + " frames of its streams");
+  }
+
   void settleCalibration() {
+    first_stamps_ = findOniFirstStamps(path_);
     if (std::optional<RgbdCalibration> side = findSideCalibration(path_)) {
       calibration_ = *std::move(side);
     } else {
@@ -119,8 +140,9 @@ class OniSource final : public SensorSource {
     openni::VideoStream& stream = *waiting[static_cast<std::size_t>(ready)];
     openni::VideoFrameRef frame;
     if (stream.readFrame(&frame) != openni::STATUS_OK) return true;
-    const double stamp_s = secondsOf(static_cast<std::int64_t>(frame.getTimestamp()), kMicroseconds);
     const std::size_t place = &stream == &streams_.color ? kColor : kDepth;
+    const std::int64_t first_us = place == kColor ? first_stamps_.color_us : first_stamps_.depth_us;
+    const double stamp_s = secondsOf(first_us + static_cast<std::int64_t>(frame.getTimestamp()), kMicroseconds);
     if (stamp_s < last_stamp_s_[place]) return giveUp("frames that begin again");
     last_stamp_s_[place] = stamp_s;
     if (place == kColor) {
@@ -154,7 +176,9 @@ class OniSource final : public SensorSource {
   RangeCursor cursor_;
   StampPairer<cv::Mat3b, cv::Mat1w> pairer_;
   std::array<int, kPlaces> unread_{};
-  std::array<double, kPlaces> last_stamp_s_{};
+  std::array<double, kPlaces> last_stamp_s_{std::numeric_limits<double>::lowest(),
+                                            std::numeric_limits<double>::lowest()};
+  OniFirstStamps first_stamps_;
   bool ended_ = false;
   std::string skip_reason_, end_reason_;
   RgbdCalibration calibration_;

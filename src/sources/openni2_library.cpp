@@ -1,10 +1,12 @@
 #include "sources/openni2_library.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -110,13 +112,26 @@ void OpenNi2Streams::open(const char* uri, const std::string& what) {
   (void)device.setDepthColorSyncEnabled(true);
 }
 
+// OpenNI2's player of files says "go on" when its thread begins and "stop" when it is closed, in the same variable.
+// Closed before its thread has begun, it goes on, is cancelled after 3 s, and ends the program if its code is unloaded
+// by then.
 void OpenNi2Streams::close() {
+  constexpr std::chrono::milliseconds kThreadBegins(300);
+  if (device.isValid() && device.isFile() && !has_played_) std::this_thread::sleep_for(kThreadBegins);
   for (openni::VideoStream* stream : {&color, &depth}) {
     if (!stream->isValid()) continue;
     stream->stop();
     stream->destroy();
   }
   if (device.isValid()) device.close();
+}
+
+bool OpenNi2Streams::awaitFrame(std::chrono::milliseconds longest_wait) {
+  std::array<openni::VideoStream*, 2> both{&color, &depth};
+  int ready = -1;
+  has_played_ = openni::OpenNI::waitForAnyStream(both.data(), 2, &ready, static_cast<int>(longest_wait.count())) ==
+                openni::STATUS_OK;
+  return has_played_;
 }
 
 double depthUnitsPerMetre(const openni::VideoStream& depth, const std::string& what) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <OpenNI.h>
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -27,9 +28,18 @@ struct OpenNi2Streams {
   openni::VideoStream color, depth;
 
   ~OpenNi2Streams() { close(); }
+  OpenNi2Streams() = default;
+  OpenNi2Streams(const OpenNi2Streams&) = delete;
+  OpenNi2Streams& operator=(const OpenNi2Streams&) = delete;
+
   /// Opens the device (`uri` null: the first) and both streams, does not start them. Throws IoError.
   void open(const char* uri, const std::string& what);
   void close();
+  /// Waits until a stream that was started has a frame; false after `longest_wait`.
+  [[nodiscard]] bool awaitFrame(std::chrono::milliseconds longest_wait);
+
+ private:
+  bool has_played_ = false;
 };
 
 /// Units per metre of a depth stream's pixels. Throws IoError if they are no measure of depth.

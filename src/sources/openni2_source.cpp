@@ -1,3 +1,4 @@
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -62,7 +63,7 @@ class PairQueue {
   }
   [[nodiscard]] std::int64_t dropped() const {
     const std::lock_guard lock(mutex_);
-    return dropped_;
+    return dropped_ + pairer_.droppedFirst();
   }
 
  private:
@@ -83,31 +84,67 @@ class PairQueue {
   std::int64_t dropped_ = 0;
 };
 
-/// Takes the frames of one stream off OpenNI2's hands as they come. Frames whose numbers it missed count as lost.
-template <typename Image>
-class FrameCatcher final : public openni::VideoStream::NewFrameListener {
+/// Takes the frames of both streams off OpenNI2's hands, on a thread of its own, from construction to destruction.
+/// Colour frames whose numbers it missed count as lost.
+///
+/// Not with OpenNI2's listeners. OpenNI2 calls one with the stream's event locked, once for each frame but without
+/// queueing frames: where two came at once, the first call takes the newer, and the second one's readFrame(), which
+/// knows no time limit, waits for a third. If the camera is gone there is none, and whoever removes the listener waits
+/// for the event's lock for ever. Here a frame is only read once it is known to be there, by the only reader there is.
+class FrameCatcher {
  public:
-  FrameCatcher(PairQueue& queue, void (*copy)(const openni::VideoFrameRef&, Image&),
-               void (PairQueue::*add)(double, const Image&), bool counts_lost)
-      : queue_(queue), copy_(copy), add_(add), counts_lost_(counts_lost) {}
-
-  void onNewFrame(openni::VideoStream& stream) override {
-    openni::VideoFrameRef frame;
-    if (stream.readFrame(&frame) != openni::STATUS_OK || !frame.isValid()) return;
-    const int index = frame.getFrameIndex();
-    if (counts_lost_ && last_index_ > 0 && index > last_index_ + 1) queue_.countLost(index - last_index_ - 1);
-    last_index_ = index;
-    Image image;
-    copy_(frame, image);
-    (queue_.*add_)(secondsOf(static_cast<std::int64_t>(frame.getTimestamp()), kMicroseconds), image);
+  FrameCatcher(OpenNi2Streams& streams, PairQueue& queue)
+      : streams_(streams), queue_(queue), thread_([this] { run(); }) {}
+  ~FrameCatcher() {
+    stopping_ = true;
+    thread_.join();
   }
+  FrameCatcher(const FrameCatcher&) = delete;
+  FrameCatcher& operator=(const FrameCatcher&) = delete;
 
  private:
+  /// Goes on until there is nothing left to take, so that the last frames of an unplugged camera are not lost.
+  void run() {
+    constexpr int kLongestWait_ms = 50;  // what closing the camera may have to wait
+    while (true) {
+      std::array<openni::VideoStream*, 2> both{&streams_.color, &streams_.depth};
+      int ready = -1;
+      const bool last_look = stopping_;
+      const openni::Status status =
+          openni::OpenNI::waitForAnyStream(both.data(), 2, &ready, last_look ? 0 : kLongestWait_ms);
+      if (status == openni::STATUS_OK) {
+        take(*both[static_cast<std::size_t>(ready)]);
+      } else if (last_look) {
+        return;
+      } else if (status != openni::STATUS_TIME_OUT) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(kLongestWait_ms));  // not a busy wait on a broken device
+      }
+    }
+  }
+
+  void take(openni::VideoStream& stream) {
+    openni::VideoFrameRef frame;
+    if (stream.readFrame(&frame) != openni::STATUS_OK || !frame.isValid()) return;
+    const double stamp_s = secondsOf(static_cast<std::int64_t>(frame.getTimestamp()), kMicroseconds);
+    if (&stream == &streams_.depth) {
+      cv::Mat1w depth;
+      copyDepth(frame, depth);
+      queue_.addDepth(stamp_s, depth);
+      return;
+    }
+    const int index = frame.getFrameIndex();
+    if (last_index_ > 0 && index > last_index_ + 1) queue_.countLost(index - last_index_ - 1);
+    last_index_ = index;
+    cv::Mat3b color;
+    copyColor(frame, color);
+    queue_.addColor(stamp_s, color);
+  }
+
+  OpenNi2Streams& streams_;
   PairQueue& queue_;
-  void (*copy_)(const openni::VideoFrameRef&, Image&);
-  void (PairQueue::*add_)(double, const Image&);
-  bool counts_lost_;
   int last_index_ = 0;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;  // last: it uses the others
 };
 
 /// Hears of cameras that come and go. Called by OpenNI2's threads, hence only notes.
@@ -125,6 +162,7 @@ class PlugListener final : public openni::OpenNI::DeviceDisconnectedListener,
   void onDeviceDisconnected(const openni::DeviceInfo* info) override {
     if (uri_ != info->getUri()) return;
     plugged_ = false;
+    was_unplugged_ = true;
     queue_.wake();
   }
   void onDeviceConnected(const openni::DeviceInfo* info) override {
@@ -133,11 +171,13 @@ class PlugListener final : public openni::OpenNI::DeviceDisconnectedListener,
     queue_.wake();
   }
   [[nodiscard]] bool plugged() const { return plugged_; }
+  /// Whether the camera went away since this was last asked, even if it is back.
+  [[nodiscard]] bool tookUnplugging() { return was_unplugged_.exchange(false); }
 
  private:
   std::string uri_;
   PairQueue& queue_;
-  std::atomic<bool> plugged_{true};
+  std::atomic<bool> plugged_{true}, was_unplugged_{false};
 };
 
 class OpenNi2Source final : public SensorSource {
@@ -167,9 +207,9 @@ class OpenNi2Source final : public SensorSource {
 
   [[nodiscard]] ReadStatus read(SensorFrame& frame) override {
     while (!cursor_.passed()) {
-      const std::optional<PairQueue::Item> item = queue_.take(plug_->plugged() ? kLongestWait : kNoWait);
+      const std::optional<PairQueue::Item> item =
+          queue_.take(plug_->plugged() && !unplugged_since_ ? kLongestWait : kNoWait);
       if (!item) return waitForCamera();
-      unplugged_since_.reset();
       if (!cursor_.take()) continue;
       frame.index = cursor_.last();
       frame.name = fmt::format("{:06}", frame.index.value);
@@ -198,30 +238,26 @@ class OpenNi2Source final : public SensorSource {
   }
 
   void start() {
-    color_catcher_ = std::make_unique<FrameCatcher<cv::Mat3b>>(queue_, copyColor, &PairQueue::addColor, true);
-    depth_catcher_ = std::make_unique<FrameCatcher<cv::Mat1w>>(queue_, copyDepth, &PairQueue::addDepth, false);
-    streams_.color.addNewFrameListener(color_catcher_.get());
-    streams_.depth.addNewFrameListener(depth_catcher_.get());
     if (streams_.depth.start() != openni::STATUS_OK || streams_.color.start() != openni::STATUS_OK) {
       throw IoError(description_.location, "streams that can be started", openNi2Error());
     }
+    catcher_.emplace(streams_, queue_);
   }
 
   void stop() {
-    if (streams_.color.isValid()) streams_.color.removeNewFrameListener(color_catcher_.get());
-    if (streams_.depth.isValid()) streams_.depth.removeNewFrameListener(depth_catcher_.get());
+    catcher_.reset();
     streams_.close();
   }
 
   /// Nothing came: the camera is slow, or gone. One that is gone is opened again as soon as it is back.
   ReadStatus waitForCamera() {
     if (!end_reason_.empty()) return ReadStatus::kEnd;
-    if (plug_->plugged() && !unplugged_since_) {
-      skip_reason_ = description_.location + ": no frame for 1 s";
-      return ReadStatus::kSkip;
-    }
     const Clock::time_point now = Clock::now();
     if (!unplugged_since_) {
+      if (!plug_->tookUnplugging()) {
+        skip_reason_ = description_.location + ": no frame for 1 s";
+        return ReadStatus::kSkip;
+      }
       unplugged_since_ = now;
       stop();
       skip_reason_ = fmt::format("{}: the camera was unplugged; waiting up to {} s for it to come back",
@@ -261,9 +297,8 @@ class OpenNi2Source final : public SensorSource {
   std::string uri_;
   RangeCursor cursor_;
   std::optional<PlugListener> plug_;
-  std::unique_ptr<FrameCatcher<cv::Mat3b>> color_catcher_;
-  std::unique_ptr<FrameCatcher<cv::Mat1w>> depth_catcher_;
   OpenNi2Streams streams_;
+  std::optional<FrameCatcher> catcher_;
   std::optional<Clock::time_point> unplugged_since_;
   std::string skip_reason_, end_reason_;
   RgbdCalibration calibration_;

@@ -6,6 +6,8 @@
 #include <mrpt/serialization/CArchive.h>
 #include <zlib.h>
 
+#include <fmt/format.h>
+
 #include "saccade/core/errors.hpp"
 #include "sources/rawlog_poses.hpp"
 #include "sources/recorders.hpp"
@@ -80,7 +82,8 @@ class RawlogRecorder final : public RecordingWriter {
 
   [[nodiscard]] std::vector<std::string> losses() const override {
     std::vector<std::string> losses;
-    if (depth_.rounded()) losses.emplace_back("depth in metres was rounded to 1/5000 m");
+    if (depth_.rounded())
+      losses.push_back(fmt::format("depth in metres was rounded to 1/{:g} m", depth_.unitsPerMetre()));
     if (lost_labels_) losses.emplace_back("labels are not kept in a rawlog");
     return losses;
   }

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 
 #include "saccade/sources/recording.hpp"
+#include "sources/stamp_units.hpp"
 
 namespace saccade {
 
@@ -21,19 +20,6 @@ namespace saccade {
 [[nodiscard]] std::unique_ptr<RecordingWriter> makeOniRecorder(const std::filesystem::path& file,
                                                                const RgbdCalibration& calibration);
 
-/// A stamp as a whole number of units, as a container keeps it.
-[[nodiscard]] inline std::int64_t stampIn(long double units_per_second, double stamp_s) {
-  return static_cast<std::int64_t>(std::llround(static_cast<long double>(stamp_s) * units_per_second));
-}
-inline constexpr long double kMicroseconds = 1e6L;  // per second; OpenNI2
-inline constexpr long double kMrptTicks = 1e7L;
-inline constexpr long double kNanoseconds = 1e9L;  // ROS
-
-/// The double nearest to a stamp of so many units; the same as reading it as decimal text.
-[[nodiscard]] inline double secondsOf(std::int64_t count, long double units_per_second) {
-  return static_cast<double>(static_cast<long double>(count) / units_per_second);
-}
-
 /// The 16-bit depth images of a recording: those of the sensor as they are; metres rounded to 1/5000 m.
 class RecordedDepth {
  public:
@@ -43,7 +29,7 @@ class RecordedDepth {
   [[nodiscard]] double unitsPerMetre() const { return units_per_metre_; }
   /// The frame's depth in units; empty where it has none. Valid until the next call.
   [[nodiscard]] const cv::Mat1w& of(const SensorFrame& frame);
-  /// True once metres had to be rounded.
+  /// True once metres were no whole units and had to be rounded.
   [[nodiscard]] bool rounded() const { return rounded_; }
 
  private:

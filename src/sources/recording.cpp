@@ -85,11 +85,15 @@ RecordedDepth::RecordedDepth(const RgbdCalibration& calibration)
 
 const cv::Mat1w& RecordedDepth::of(const SensorFrame& frame) {
   if (frame.depth_m.empty()) return frame.raw_depth;
-  rounded_ = true;
   raw_.create(frame.depth_m.size());
-  std::transform(frame.depth_m.begin(), frame.depth_m.end(), raw_.begin(), [this](float depth_m) {
-    const double raw = std::round(static_cast<double>(depth_m) * units_per_metre_);
-    return static_cast<ushort>(raw > 0.0 && raw <= kLargestRaw ? raw : 0.0);
+  const auto metres_per_unit = static_cast<float>(1.0 / units_per_metre_);
+  std::transform(frame.depth_m.begin(), frame.depth_m.end(), raw_.begin(), [&](float depth_m) {
+    const double rounded = std::round(static_cast<double>(depth_m) * units_per_metre_);
+    if (!(depth_m > 0.0f) || !std::isfinite(rounded)) return ushort{0};
+    const auto raw = static_cast<ushort>(rounded <= kLargestRaw ? rounded : 0.0);
+    // What was made of whole units comes out as it was.
+    rounded_ |= static_cast<float>(raw) * metres_per_unit != depth_m;
+    return raw;
   });
   return raw_;
 }

@@ -43,19 +43,6 @@ std::string contents(const std::filesystem::path& folder) {
   return counted(count, "entry") + ": " + names + (count > kShown ? ", ..." : "");
 }
 
-std::unique_ptr<SensorSource> openFolder(const std::filesystem::path& folder, const FrameRange& range,
-                                         const std::filesystem::path& labels) {
-  std::string looked_for;
-  for (const Layout& layout : kLayouts) {
-    looked_for += (looked_for.empty() ? "" : "; or ") + std::string(layout.files);
-    if (!layout.matches(folder)) continue;
-    FrameList list = layout.list(folder);
-    list.description.location = folder.string();
-    return openFrameList(std::move(list), range, labels);
-  }
-  throw IoError(folder, looked_for, contents(folder));
-}
-
 constexpr const char* kCameraPrefix = "openni2:";
 
 /// Opens a recording in one file; the first bytes tell the kind, whatever its name.
@@ -73,6 +60,18 @@ std::unique_ptr<SensorSource> openFile(const std::filesystem::path& path, const 
 }
 
 }  // namespace
+
+FrameList listFolder(const std::filesystem::path& folder) {
+  std::string looked_for;
+  for (const Layout& layout : kLayouts) {
+    looked_for += (looked_for.empty() ? "" : "; or ") + std::string(layout.files);
+    if (!layout.matches(folder)) continue;
+    FrameList list = layout.list(folder);
+    list.description.location = folder.string();
+    return list;
+  }
+  throw IoError(folder, looked_for, contents(folder));
+}
 
 std::optional<RgbdCalibration> findSideCalibration(const std::filesystem::path& file) {
   std::filesystem::path side = file;
@@ -94,7 +93,7 @@ std::unique_ptr<SensorSource> openSensorSource(const std::string& input, const F
   if (!camera && !std::filesystem::exists(path, error)) {
     throw IoError(path, "a folder of RGB-D frames, a recording, openni2: or sim:SCENE", "nothing of that name");
   }
-  if (!camera && std::filesystem::is_directory(path, error)) return openFolder(path, range, labels);
+  if (!camera && std::filesystem::is_directory(path, error)) return openFrameList(listFolder(path), range, labels);
   if (!labels.empty()) throw IoError(labels, "labels for a folder of frames", "labels for another kind of input");
   if (camera) return openOpenNi2(input.substr(std::string(kCameraPrefix).size()), range);
   return openFile(path, range);

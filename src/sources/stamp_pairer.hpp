@@ -48,15 +48,17 @@ class StampPairer {
       return pair;
     }
     if (ended_) {
-      dropped_ += static_cast<std::int64_t>(first_.size() + second_.size());
+      dropped_first_ += static_cast<std::int64_t>(first_.size());
+      dropped_second_ += static_cast<std::int64_t>(second_.size());
       first_.clear();
       second_.clear();
     }
     return std::nullopt;
   }
 
-  /// Those that found no partner so far.
-  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+  /// Those that found no partner so far: of both streams, and of the first.
+  [[nodiscard]] std::int64_t dropped() const { return dropped_first_ + dropped_second_; }
+  [[nodiscard]] std::int64_t droppedFirst() const { return dropped_first_; }
 
  private:
   static constexpr double kMaxDifference_s = 0.02;
@@ -68,13 +70,13 @@ class StampPairer {
   }
   void dropFront(bool of_first) {
     of_first ? first_.pop_front() : second_.pop_front();
-    ++dropped_;
+    ++(of_first ? dropped_first_ : dropped_second_);
   }
 
   std::deque<std::pair<double, First>> first_;
   std::deque<std::pair<double, Second>> second_;
   bool ended_ = false;
-  std::int64_t dropped_ = 0;
+  std::int64_t dropped_first_ = 0, dropped_second_ = 0;
 };
 
 }  // namespace saccade

@@ -1,48 +1,14 @@
-#include <algorithm>
-#include <cmath>
-#include <fstream>
 
 #include "saccade/core/errors.hpp"
 #include "saccade/sources/stamped_poses.hpp"
 #include "sources/association.hpp"
 #include "sources/frame_list.hpp"
-#include "sources/text_numbers.hpp"
+#include "sources/stamped_files.hpp"
 
 namespace saccade {
 namespace {
 
-constexpr double kMaxStampDifference_s = 0.02;
-
-struct StampedFile {
-  double stamp_s = 0.0;
-  std::filesystem::path path;
-};
-
-std::vector<StampedFile> readFileList(const std::filesystem::path& list) {
-  std::ifstream file(list);
-  if (!file) throw IoError(list, "a list of stamps and files", "nothing that can be read");
-  std::vector<StampedFile> files;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    const std::vector<std::string_view> words = splitWords(line);
-    if (words.empty() || words[0].front() == '#') continue;
-    const std::optional<double> stamp_s = parseNumber(words[0]);
-    if (words.size() < 2 || !stamp_s || !std::isfinite(*stamp_s)) {
-      throw IoError(list, "\"stamp file\" in line " + std::to_string(number), inQuotes(line));
-    }
-    files.push_back({*stamp_s, list.parent_path() / std::filesystem::path(words[1])});
-  }
-  if (files.empty()) throw IoError(list, "a list of stamps and files", "an empty list");
-  std::stable_sort(files.begin(), files.end(),
-                   [](const StampedFile& a, const StampedFile& b) { return a.stamp_s < b.stamp_s; });
-  return files;
-}
-
-std::vector<double> stampsOf(const std::vector<StampedFile>& files) {
-  std::vector<double> stamps;
-  for (const StampedFile& file : files) stamps.push_back(file.stamp_s);
-  return stamps;
-}
+constexpr double kMaxStampDifference_s = kSamePairStamps_s;
 
 bool mentions(const std::string& text, const std::string& first, const std::string& second) {
   return text.find(first) != std::string::npos || text.find(second) != std::string::npos;
@@ -78,8 +44,8 @@ bool looksLikeTum(const std::filesystem::path& folder) {
 }
 
 FrameList listTum(const std::filesystem::path& folder) {
-  const std::vector<StampedFile> color = readFileList(folder / "rgb.txt");
-  const std::vector<StampedFile> depth = readFileList(folder / "depth.txt");
+  const std::vector<StampedFile> color = readStampedFiles(folder / "rgb.txt");
+  const std::vector<StampedFile> depth = readStampedFiles(folder / "depth.txt");
   const std::vector<StampPair> pairs = associate(stampsOf(color), stampsOf(depth), kMaxStampDifference_s);
   if (pairs.empty()) {
     throw IoError(folder, "stamps of rgb.txt and depth.txt within 20 ms of each other",

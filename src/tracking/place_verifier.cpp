@@ -63,6 +63,7 @@ VerifiedPlace PlaceVerifier::examine(const DepthMaps& depth, const SurfaceVolume
   place.tracking.T_WC = guess;
   // The first alignment looks from the guess, which may hide what is seen from the place itself; the second does not.
   for (int pass = 0; pass < 2; ++pass) {
+    if (prepare_) prepare_(place.tracking.T_WC);
     surface.rayCast(camera, place.tracking.T_WC, view_);
     place.tracking = tracker_.track(depth, view_, place.tracking.T_WC);
     if (place.tracking.status == TrackingStatus::kLost) return place;

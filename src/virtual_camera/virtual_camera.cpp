@@ -106,11 +106,15 @@ OniBool VirtualCamera::isPropertySupported(int property) {
 }
 
 OniBool VirtualCamera::isCommandSupported(int command) {
-  return command == kPushCommand && input_->request.isFed() ? TRUE : FALSE;
+  return (command == kPushCommand || command == kMarkCommand) && input_->request.isFed() ? TRUE : FALSE;
 }
 
 OniStatus VirtualCamera::invoke(int command, void* data, int size) {
   if (!isCommandSupported(command)) return ONI_STATUS_NOT_SUPPORTED;
+  if (command == kMarkCommand) {
+    if (streams_[kColor]) streams_[kColor]->mark(data, size);
+    return ONI_STATUS_OK;
+  }
   if (size != sizeof(PushedFrame)) return ONI_STATUS_BAD_PARAMETER;
   const auto& frame = *static_cast<const PushedFrame*>(data);
   const int index = static_cast<int>(++input_->sent);
@@ -118,10 +122,11 @@ OniStatus VirtualCamera::invoke(int command, void* data, int size) {
   const auto pixels = [](const ImageSize& image) {
     return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   };
+  const auto stamp_us = static_cast<std::uint64_t>(frame.stamp_us);
   if (streams_[kDepth] && frame.depth != nullptr) {
-    streams_[kDepth]->send(frame.depth, pixels(request.depth) * 2, frame.stamp_us, index);
+    streams_[kDepth]->send(frame.depth, pixels(request.depth) * 2, stamp_us, index);
   }
-  if (streams_[kColor]) streams_[kColor]->send(frame.rgb, pixels(request.color) * 3, frame.stamp_us, index);
+  if (streams_[kColor]) streams_[kColor]->send(frame.rgb, pixels(request.color) * 3, stamp_us, index);
   return ONI_STATUS_OK;
 }
 
@@ -171,7 +176,7 @@ void VirtualCamera::send(const SensorFrame& frame) {
   const int index = static_cast<int>(++input_->sent);
   const auto stamp_us = static_cast<std::uint64_t>(stampIn(kMicroseconds, frame.stamp_s));
   if (frame.hasDepth() && streams_[kDepth]) {
-    toOpenNi2Depth(recorded_depth_.of(frame), input_->calibration, input_->request.depth_format, depth_);
+    (void)toOpenNi2Depth(recorded_depth_.of(frame), input_->calibration, input_->request.depth_format, depth_);
     streams_[kDepth]->send(depth_[0], depth_.total() * 2, stamp_us, index);
   }
   if (streams_[kColor]) {

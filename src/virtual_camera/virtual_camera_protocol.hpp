@@ -14,11 +14,13 @@ inline constexpr int kCalibrationProperty = 0x5acc0001;
 inline constexpr int kMostCalibrationBytes = 4096;
 /// Device command of a camera that is fed: hands a PushedFrame over, which is copied before the command returns.
 inline constexpr int kPushCommand = 0x5acc0002;
+/// Device command of a camera that is fed: takes some bytes that end up in a recording behind all that was sent before.
+inline constexpr int kMarkCommand = 0x5acc0003;
 
 struct PushedFrame {
   const std::uint8_t* rgb = nullptr;     ///< rows without gaps, of the colour stream's size
   const std::uint16_t* depth = nullptr;  ///< in the depth stream's unit; null: this frame has none
-  std::uint64_t stamp_us = 0;
+  std::int64_t stamp_us = 0;  ///< OpenNI2 itself counts without sign; differences come out right all the same
 };
 
 }  // namespace saccade::virtual_camera

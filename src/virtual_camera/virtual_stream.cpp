@@ -1,5 +1,6 @@
 #include "virtual_camera/virtual_stream.hpp"
 
+#include <PS1080.h>
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -31,6 +32,11 @@ void VirtualStream::send(const void* pixels, std::size_t bytes, std::uint64_t st
   frame->frameIndex = frame_index;
   raiseNewFrame(frame);
   getServices().releaseFrame(frame);
+}
+
+void VirtualStream::mark(const void* bytes, int size) {
+  // Recorders know the properties of real cameras only; this one of the PS1080 may hold any bytes, and no player cares.
+  raisePropertyChanged(XN_STREAM_PROPERTY_AGC_BIN, bytes, size);
 }
 
 int VirtualStream::strideInBytes() const {

@@ -27,6 +27,9 @@ class VirtualStream final : public oni::driver::StreamBase {
   /// Copies pixels without gaps between rows into a frame and hands it to OpenNI2.
   void send(const void* pixels, std::size_t bytes, std::uint64_t stamp_us, int frame_index);
 
+  /// Hands a recorder some bytes, as the value of a property that nothing else uses.
+  void mark(const void* bytes, int size);
+
   OniStatus start() override;
   void stop() override;
   OniStatus getProperty(int property, void* data, int* size) override;

@@ -104,6 +104,64 @@ TEST(Continue, AnExplorationOfARealKitchenThatStoppedGoesOnAsIfItHadNot) {
   expectTheLaw(kitchen, 20, 40, "2");
 }
 
+TEST(MapMemory, AnExplorationThatPagesItsMapIsTheSameAsOneThatKeepsIt) {
+  const TemporaryFolder folder;
+  const auto explore = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"explore", "--poses", "dataset", "--checkpoint-interval", "0"});
+    ProgramRun run = runSaccade(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.talk;
+    return run.talk;
+  };
+  // Steps of 400 frames walk through the flat's rooms and back; leaves of 3 cm keep the test short.
+  const std::vector<std::string> walk = {"sim:flat", "--set", "map.leaf_size_m=0.03", "--set", "surface.cell_m=0.03"};
+  std::vector<std::string> whole = walk, paged = walk;
+  whole.insert(whole.end(), {"--range", "::400", "-o", folder / "whole.saccade"});
+  paged.insert(paged.end(), {"--range", ":3200:400", "-o", folder / "paged.saccade", "--map-memory", "4"});
+  explore(whole);
+  const std::string first = explore(paged);
+  const std::string second =
+      explore({"--continue", folder / "paged.saccade", "sim:flat", "--range", "3200::400", "--map-memory", "4"});
+  expectSameExploration(folder / "whole.saccade", folder / "paged.saccade");
+  const SessionFindings findings = verifySession(folder / "paged.saccade");
+  EXPECT_TRUE(findings.complaints.empty()) << findings.complaints.front();
+  for (const std::string& talk : {first, second}) {
+    const std::size_t at = talk.find("map paging:");
+    ASSERT_NE(at, std::string::npos) << talk;
+    EXPECT_EQ(talk.find(" 0 parts dropped", at), std::string::npos) << talk;
+    EXPECT_EQ(talk.find(" 0 brought back", at), std::string::npos) << talk;
+  }
+}
+
+TEST(MaxSessionSize, ThinsKeyframeImagesThenEndsWithAllThatWasExplored) {
+  const TemporaryFolder folder;
+  constexpr double kLimit_MiB = 6.0;
+  const ProgramRun run =
+      runSaccade({"explore", "sim:desk?frames=100", "-o", folder / "s.saccade", "--poses", "dataset",
+                  "--checkpoint-interval", "0", "--set", "keyframes.spacing_m=0.02", "--max-session-size", "6"});
+  EXPECT_EQ(run.exit_code, 0) << run.talk;
+  EXPECT_NE(run.talk.find("grown to --max-session-size"), std::string::npos) << run.talk;
+  EXPECT_LE(static_cast<double>(std::filesystem::file_size(folder / "s.saccade")), kLimit_MiB * 1048576.0);
+  const SessionFindings findings = verifySession(folder / "s.saccade");
+  EXPECT_TRUE(findings.complaints.empty()) << findings.complaints.front();
+  const SessionReader session(folder / "s.saccade");
+  EXPECT_EQ(session.metadata().state, SessionState::kInterrupted);
+  EXPECT_LT(session.frames().size(), 100U);
+  EXPECT_EQ(session.frames().back().tick, session.metadata().tick);
+  int with_images = 0;
+  const std::vector<KeyframeRecord> keyframes = session.keyframes();
+  for (const KeyframeRecord& keyframe : keyframes) {
+    EXPECT_FALSE(keyframe.features.empty());
+    if (!session.keyframe(keyframe.ordinal)->color.empty()) ++with_images;
+  }
+  EXPECT_LT(with_images, static_cast<int>(keyframes.size()));
+}
+
+TEST(MapMemory, NeedsASessionToPageTo) {
+  const ProgramRun run = runSaccade({"explore", "sim:desk", "--range", ":1", "--map-memory", "100"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.talk.find("-o S"), std::string::npos) << run.talk;
+}
+
 TEST(Continue, GoesOnBehindTheLastFrameWithTheStepOfBefore) {
   const TemporaryFolder folder;
   ASSERT_EQ(runSaccade({"explore", "sim:desk?frames=12", "--range", ":6:2", "-o", folder / "s.saccade"}).exit_code, 0);
@@ -160,7 +218,8 @@ TEST(SlowContinue, KillingTheProgramAtAHundredRandomMomentsNeverLeavesADamagedSe
     EXPECT_TRUE(findings.complaints.empty()) << "kill " << kill << ": " << findings.complaints.front();
     EXPECT_EQ(SessionReader(folder / "s.saccade").metadata().state, SessionState::kExploring);
     if (kill % 10 != 0) continue;
-    const ProgramRun on = runSaccade({"explore", "--continue", folder / "s.saccade", "sim:desk", "--range", "200:201"});
+    const ProgramRun on =
+        runSaccade({"explore", "--continue", folder / "s.saccade", "sim:desk?frames=100000", "--range", "5000:5001"});
     EXPECT_EQ(on.exit_code, 0) << on.talk;
     EXPECT_EQ(SessionReader(folder / "s.saccade").metadata().state, SessionState::kComplete);
   }

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "saccade/map/ior_law.hpp"
+#include "saccade/session/session_map.hpp"
 #include "saccade/session/session_reader.hpp"
 #include "saccade/sources/stamped_poses.hpp"
 #include "support/program.hpp"
@@ -61,6 +63,29 @@ TEST(Resume, FindsItsPlaceAndGoesOnInTheSessionsWorld) {
     ASSERT_TRUE(there);
     EXPECT_LT((there->translation() - resumed.pose(i).translation()).norm(), kSamePlace_m);
   }
+}
+
+TEST(Resume, AttentionCarriesOverToTheFirstVerifiedFrame) {
+  const TemporaryFolder folder;
+  explore({"sim:desk", "--range", ":12", "-o", folder / "desk.saccade"});
+  const IorMap saved = loadMap(SessionReader(folder / "desk.saccade"));
+  ASSERT_EQ(runSaccade({"resume", folder / "desk.saccade", "sim:desk", "--range", "16:19"}).exit_code, 0);
+  const IorMap after = loadMap(SessionReader(folder / "desk.saccade"));
+  ASSERT_EQ(after.now().value, saved.now().value + 1) << "one frame, one tick";
+  int remembered = 0, freed = 0;
+  saved.forEachLeaf([&](const MapLeaf& leaf) {
+    if (!inhibited(leaf.ior, saved.now())) return;
+    const std::optional<MapLeaf> now = after.findLeaf(leaf.key.corner);
+    ASSERT_TRUE(now);
+    if (!now->occupied) {
+      ++freed;  // by what the frame saw
+      return;
+    }
+    ++remembered;
+    EXPECT_TRUE(inhibited(now->ior, saved.now()));
+  });
+  EXPECT_GT(remembered, 1000);
+  EXPECT_LT(freed, remembered / 100);
 }
 
 TEST(Resume, LeavesTheSessionAsItIsAndKeepsTheNewPartApartIfItFindsNoPlace) {

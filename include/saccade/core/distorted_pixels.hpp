@@ -33,12 +33,12 @@ class DistortedPixels {
       return;
     }
     distorted.create(size_);
+    const cv::Mat_<T> gapless = ideal.isContinuous() ? ideal : cv::Mat_<T>(ideal.clone());
+    const T* pixels = gapless[0];
     const std::int32_t* from = ideal_pixel_.data();
     for (int v = 0; v < size_.height; ++v) {
       T* row = distorted[v];
-      for (int u = 0; u < size_.width; ++u, ++from) {
-        row[u] = *from < 0 ? outside : ideal(*from / size_.width, *from % size_.width);
-      }
+      for (int u = 0; u < size_.width; ++u, ++from) row[u] = *from < 0 ? outside : pixels[*from];
     }
   }
 

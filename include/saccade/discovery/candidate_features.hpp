@@ -32,7 +32,7 @@ class CandidateMeasurer {
 
   /// Sets features, cues and has_depth of every candidate. The convexity κ is measured on the hull of the segments'
   /// extreme points, over a bounded number of points spread over the mask.
-  void measure(Candidates& candidates, const Perception& seen);
+  void measure(std::span<Candidate> candidates, const Perception& seen);
 
  private:
   void measureOne(Candidate& candidate, const Perception& seen);

@@ -10,13 +10,10 @@ namespace saccade {
 /// Writes the mask of `candidate` into `mask`: the image's size, 255 inside, 0 outside. Reuses the buffer.
 void drawMask(const Candidate& candidate, const Perception& seen, cv::Mat1b& mask);
 
-/// The part of the mask within the candidate's box, of the box's size.
-[[nodiscard]] cv::Mat1b boxMask(const Candidate& candidate, const Perception& seen);
-
 /// Calls `visit(v, begin_u, end_u)` for each run of the mask's pixels in a row, rows from the top, runs from the left.
 /// Touches the pixels of the candidate's box only.
 template <typename Visit>
-void forEachMaskRun(const Candidate& candidate, const Perception& seen, Visit&& visit);
+void forEachMaskRun(const Candidate& candidate, const FrameSegments& seen, Visit&& visit);
 
 /// Answers "is this segment part of the candidate" in constant time.
 class SegmentMembership {
@@ -34,7 +31,7 @@ class SegmentMembership {
 };
 
 template <typename Visit>
-void forEachMaskRun(const Candidate& candidate, const Perception& seen, Visit&& visit) {
+void forEachMaskRun(const Candidate& candidate, const FrameSegments& seen, Visit&& visit) {
   const Segmentation& segmentation = seen.segmentation(candidate.source);
   const SegmentMembership members(candidate, segmentation.count);
   const int end = candidate.box.x + candidate.box.width;

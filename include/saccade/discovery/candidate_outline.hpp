@@ -2,13 +2,13 @@
 
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "saccade/core/distorted_pixels.hpp"
 #include "saccade/discovery/candidate.hpp"
 #include "saccade/discovery/perception.hpp"
+#include "saccade/discovery/segment_columns.hpp"
 
 namespace saccade {
 
@@ -27,24 +27,20 @@ class CandidateOutliner {
  public:
   explicit CandidateOutliner(DistortedPixels pixels) : pixels_(std::move(pixels)) {}
 
-  /// Takes the segments of a frame, about 1 ms where there is distortion; `seen` must outlive the outlines' making.
-  void begin(const Perception& seen);
-  /// Outline of a candidate of the frame that was begun. A candidate that the input's image does not show (it may end
-  /// before C's does) has an empty box.
+  /// Takes the segments of a frame, about 1 ms, more where there is distortion.
+  void begin(const FrameSegments& seen);
+  /// Outline of a candidate of the frame that was begun: a few microseconds. A candidate that the input's image does
+  /// not show (it may end before C's does) has an empty box.
   [[nodiscard]] CandidateOutline outline(const Candidate& candidate) const;
 
- private:
-  /// A segmentation as the input's image shows it.
-  struct Distorted {
-    Segmentation segmentation;
-    std::vector<cv::Rect> boxes;  ///< of each segment
-  };
+  [[nodiscard]] cv::Size imageSize() const { return pixels_.size(); }
 
-  void distort(const Segmentation& ideal, Distorted& distorted) const;
+ private:
+  void take(const Segmentation& ideal, SegmentColumns& columns);
 
   DistortedPixels pixels_;
-  const Perception* seen_ = nullptr;
-  Distorted color_, surface_;
+  Segmentation distorted_;
+  SegmentColumns color_, surface_;
 };
 
 }  // namespace saccade

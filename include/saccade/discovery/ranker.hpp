@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "saccade/core/config_fields.hpp"
 #include "saccade/discovery/candidate.hpp"
 #include "saccade/discovery/candidate_features.hpp"
@@ -33,7 +35,8 @@ struct RankingConfig {
 
 /// Ranks candidates by the SVM's probability that they are objects (paper, "Ranking of the candidates").
 ///
-/// Owns the model and scratch memory; what is attended is the caller's. Not thread-safe; one per thread.
+/// Owns the model and scratch memory; what is attended is the caller's. Not thread-safe; one per thread. Candidates are
+/// measured by as many threads as are idle.
 class Ranker {
  public:
   /// Uses the built-in model: that of the paper's features if `config.paper`, else the extended one.
@@ -54,7 +57,7 @@ class Ranker {
  private:
   RankingConfig config_;
   RankerModel model_;
-  CandidateMeasurer measurer_;
+  std::vector<CandidateMeasurer> measurers_;  ///< one for each part of the candidates that is measured by itself
 };
 
 /// Orders `sorted` (by falling score) anew: takes the best, lowers the score of those whose box overlaps it, takes the

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -65,10 +67,16 @@ class SegmentTable {
     std::array<float, kDirections> x, y, z;  ///< the point itself, frame C
   };
 
+  /// A table to be built and the segmentation that it is of.
+  using Building = std::pair<SegmentTable*, const Segmentation*>;
+
   /// Gathers the sums of `segmentation`. `saliency` and `color` have its size; `depth` may be null (colour only).
   /// About 3 ms for 640×480. Throws std::invalid_argument if sizes differ.
   void build(const Segmentation& segmentation, const cv::Mat1f& saliency, const cv::Mat3b& color,
              const DepthMaps* depth);
+  /// The same for several segmentations of one image, whose pixels are read once.
+  static void build(std::initializer_list<Building> tables, const cv::Mat1f& saliency, const cv::Mat3b& color,
+                    const DepthMaps* depth);
 
   [[nodiscard]] int count() const { return static_cast<int>(sums_.size()); }
   [[nodiscard]] cv::Size imageSize() const { return size_; }
@@ -100,8 +108,9 @@ class SegmentTable {
     float color_step = 0.0F;
   };
 
-  void sumRun(SegmentSums& sums, int v, int begin_u, int end_u, const cv::Mat1f& saliency, const cv::Mat3b& color,
-              const DepthMaps* depth) const;
+  void begin(const Segmentation& segmentation, bool has_depth);
+  void addRow(const Segmentation& segmentation, int v, const std::vector<double>& row_sums);
+  void addRun(SegmentSums& sums, int v, int begin_u, int end_u, const std::vector<double>& row_sums) const;
   void gatherPoints(const cv::Mat1i& labels, const DepthMaps& depth);
   void addSample(std::size_t segment, const Eigen::Vector3f& point);
   EdgeSlot& edgeSlot(std::int32_t a, std::int32_t b);
@@ -112,6 +121,7 @@ class SegmentTable {
   cv::Size size_;
   bool has_depth_ = false;
   std::vector<SegmentSums> sums_;
+  std::vector<double> row_sums_;                           ///< of the row being read, see discovery/row_sums.hpp
   std::vector<std::int64_t> power_1_, power_2_, power_3_;  ///< prefix sums of (u - origin)^k over the columns
   std::vector<EdgeSlot> slots_;
   std::size_t used_slots_ = 0;

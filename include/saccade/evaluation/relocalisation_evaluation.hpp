@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "saccade/core/depth_maps.hpp"
 #include "saccade/core/frame.hpp"
@@ -26,6 +27,14 @@ struct RelocalisationScore {
   std::int64_t less_known_refused = 0;
   std::int64_t false_accepts = 0;  ///< places that are wrong, or of frames from elsewhere
   double search_ms = 0.0;          ///< over all frames
+
+  /// A false accept of a frame whose true pose is known.
+  struct WrongPlace {
+    FrameIndex frame;
+    double error_m = 0.0;
+    double error_rad = 0.0;
+  };
+  std::vector<WrongPlace> wrong_places;
 };
 
 /// Asks an explorer that knows a scene for the place of single frames, one independent of the other, and keeps score.

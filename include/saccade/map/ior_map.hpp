@@ -127,6 +127,8 @@ class IorMap {
   [[nodiscard]] std::size_t nodeCount() const;
   /// Bytes of memory held by the nodes.
   [[nodiscard]] std::size_t memoryBytes() const;
+  /// Bytes of these that nodes take; the rest is free for new ones.
+  [[nodiscard]] std::size_t usedBytes() const;
 
   /// For traversal without OctoMap; valid until the map changes.
   [[nodiscard]] MapTree view() const;

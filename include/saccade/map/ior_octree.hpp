@@ -152,9 +152,13 @@ class IorOcTree : public octomap::OccupancyOcTreeBase<IorOcTreeNode> {
   IorOcTreeNode* createInFamily(IorOcTreeNode* node, unsigned child_index);
   /// Recomputes what inner nodes hold (log-odds, IOR) for the whole tree. Cost: every node.
   void updateInnerNodes();
+  /// The same for the inner nodes from `subtree` down.
+  static void updateInnerNodes(IorOcTreeNode* subtree);
 
   /// Bytes the tree holds from the operating system, free blocks included.
   [[nodiscard]] std::size_t memoryUsage() const override;
+  /// Bytes of these that nodes take.
+  [[nodiscard]] std::size_t usedBytes() const;
 
   /// View for traversal without OctoMap.
   [[nodiscard]] MapTree view() const;

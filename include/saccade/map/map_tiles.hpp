@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/leaf_key.hpp"
 
@@ -43,8 +45,21 @@ struct TileChange {
 /// all). Tiles that are one leaf always count as changed. Cost: the nodes above the tiles.
 [[nodiscard]] std::vector<TileChange> takeTileChanges(IorMap& map, int depth = kTileDepth);
 
+/// The same without ending the time since the last call.
+[[nodiscard]] std::vector<TileChange> tileChanges(const IorMap& map, int depth = kTileDepth);
+
+/// The space that a node covers, in W, metres.
+[[nodiscard]] Eigen::AlignedBox3d boxOf(const NodeKey& node, double leaf_size_m);
+
 /// All tiles of the map.
 [[nodiscard]] std::vector<MapTile> encodeTiles(const IorMap& map, int depth = kTileDepth);
+
+/// Takes the tile at `root` out of the map, as if it had never been there. Throws std::invalid_argument where the map
+/// has no such inner node: a tile that is one leaf may become one with its neighbours at any time and stays.
+void removeTile(IorMap& map, const NodeKey& root);
+
+/// Puts a tile into the map where it has none; its inner nodes count as unchanged. Throws IoError as restoreMap().
+void insertTile(IorMap& map, const MapTile& tile, const std::filesystem::path& source);
 
 /// The number of leaves in a tile. Throws IoError naming `source` unless restoreMap() would take it, looked at alone.
 std::size_t checkTile(const MapTile& tile, const std::filesystem::path& source);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -88,6 +90,13 @@ class SurfaceVolume {
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
   /// Puts a brick as it was saved; one that is at the position already is overwritten.
   void importBrick(const BrickPosition& position, const SurfaceBrick& brick);
+  /// Takes the bricks for which `gone` says so out of the volume; their memory is used for the next ones. The others
+  /// keep their order.
+  void removeBricks(const std::function<bool(std::size_t index)>& gone);
+  /// Puts a brick back that was removed; it counts as unchanged. Throws std::logic_error if there is one.
+  void returnBrick(const BrickPosition& position, const SurfaceBrick& brick);
+  /// Bytes that the bricks take, memory kept for new ones left out.
+  [[nodiscard]] std::size_t usedBytes() const { return bricks_.size() * sizeof(SurfaceBrick); }
 
  private:
   struct Scratch;
@@ -98,7 +107,9 @@ class SurfaceVolume {
   void boundRays(const PinholeCamera& camera, const Pose& T_WM) const;
   std::int32_t findOrAllocate(const BrickPosition& position);
   [[nodiscard]] std::int32_t find(const BrickPosition& position) const;
-  void enlargeSlots();
+  [[nodiscard]] SurfaceBrick* takeRoom();
+  void fill(std::size_t index, const SurfaceBrick& brick);
+  void buildSlots(std::size_t count);
 
   Config config_;
   std::vector<BrickPosition> positions_;
@@ -107,6 +118,7 @@ class SurfaceVolume {
   std::vector<std::uint64_t> behind_;  ///< blocks of a brick close behind a surface, see RayBounds
   std::uint64_t changes_ = 0;
   std::vector<std::unique_ptr<SurfaceBrick[]>> slabs_;
+  std::vector<SurfaceBrick*> free_;  ///< room of removed bricks, and what is left of the last slab
   std::vector<std::int32_t> slots_;  ///< hash table with open addressing: index of a brick, or -1
   std::unique_ptr<Scratch> scratch_;
 };

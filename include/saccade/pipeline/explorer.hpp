@@ -10,6 +10,7 @@
 #include "saccade/map/surface_volume.hpp"
 #include "saccade/pipeline/explorer_config.hpp"
 #include "saccade/pipeline/frame_report.hpp"
+#include "saccade/pipeline/map_pager.hpp"
 
 namespace saccade {
 
@@ -53,6 +54,8 @@ class Explorer {
 
   /// Goes on from `memory` instead of from nothing.
   void restore(ExplorerMemory memory);
+  /// Asks `pager` for what it is about to look at; it must outlive the explorer. Null: the whole map is in memory.
+  void pageBy(MapPager* pager);
 
   /// Where the frame was taken, by the keyframes and the surface alone; none if that is not certain. Edits nothing.
   [[nodiscard]] std::optional<VerifiedPlace> findPlace(const RgbdFrame& frame);
@@ -65,6 +68,7 @@ class Explorer {
   /// For those who keep or page the map between two frames.
   [[nodiscard]] IorMap& map();
   [[nodiscard]] const SurfaceVolume& surface() const;
+  [[nodiscard]] SurfaceVolume& surface();
   [[nodiscard]] const AttendLog& attendLog() const;
   [[nodiscard]] const MotionPredictor::State& motion() const;
   [[nodiscard]] const KeyframeSet& keyframes() const;

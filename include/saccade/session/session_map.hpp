@@ -22,6 +22,7 @@ namespace saccade {
 class MapRegion {
  public:
   [[nodiscard]] static MapRegion everything();
+  [[nodiscard]] static MapRegion nothing();
   /// What touches the box, in W, metres.
   [[nodiscard]] static MapRegion box(const Eigen::AlignedBox3d& box_W);
   /// What comes within `radius_m` of the point.

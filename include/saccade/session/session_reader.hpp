@@ -52,6 +52,9 @@ class SessionReader {
   void visitBlobs(BlobTable table, const std::function<bool(std::uint64_t key)>& wanted,
                   const std::function<void(const BlobRecord&)>& visit) const;
 
+  /// The keys of a table's blobs in their order, and how much each holds.
+  [[nodiscard]] std::vector<BlobKey> blobKeys(BlobTable table) const;
+
   /// One blob, unpacked and checked; none if there is none of that key.
   [[nodiscard]] std::optional<BlobRecord> blob(BlobTable table, std::uint64_t key) const;
 

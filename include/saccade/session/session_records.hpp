@@ -85,6 +85,12 @@ struct BlobRecord {
   std::string bytes;
 };
 
+/// Such a part without its bytes.
+struct BlobKey {
+  std::uint64_t key = 0;
+  std::uint64_t items = 0;
+};
+
 /// Whether a session is finished.
 enum class SessionState {
   kExploring,    ///< being written, or its writer was killed: whole up to the last checkpoint

@@ -45,6 +45,11 @@ class SessionWriter {
   /// Begins a run: the frames to come belong to it. `run` is filled in, and `first` with the next ordinal unless it is
   /// later than that.
   void addRun(const RunRecord& run);
+  /// The file is to take at most `bytes`. Where a commit would come near that, images of keyframes are left out, every
+  /// second one first. A commit is reckoned to need as much room as the one before it.
+  void limitSize(std::uint64_t bytes) { size_limit_ = bytes; }
+  /// Whether the next commits would not fit into the limit: time to finish().
+  [[nodiscard]] bool full() const { return full_; }
   /// Adds a frame as the next one, or under its own ordinal if that is later, and returns which it is.
   FrameOrdinal addFrame(const FrameRecord& frame);
   void addMetrics(const MetricsRecord& metrics);
@@ -76,6 +81,9 @@ class SessionWriter {
   void end(const SessionMetadata& metadata);
   void appear();
   void useLog();
+  [[nodiscard]] std::uint64_t usedBytes() const;
+  [[nodiscard]] bool thinKeyframes();
+  void keepToLimit();
 
   std::filesystem::path path_;
   std::filesystem::path partial_;  // the file's name until it appears; then empty
@@ -84,6 +92,9 @@ class SessionWriter {
   std::unique_ptr<SessionDatabase> database_;
   std::unique_ptr<Statements> statements_;
   std::int64_t next_ordinal_ = 0;
+  std::uint64_t size_limit_ = 0;       // 0: none
+  std::uint64_t committed_bytes_ = 0;  // that the last commit left in use
+  bool full_ = false;
 };
 
 }  // namespace saccade

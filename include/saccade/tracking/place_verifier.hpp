@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <utility>
 
 #include "saccade/core/config_fields.hpp"
 #include "saccade/core/depth_maps.hpp"
@@ -46,11 +48,14 @@ class PlaceVerifier {
   /// The same without the verdict: what verify() judges by.
   [[nodiscard]] VerifiedPlace examine(const DepthMaps& depth, const SurfaceVolume& surface, const Pose& guess);
   [[nodiscard]] bool accepts(const VerifiedPlace& place) const;
+  /// `prepare` is called with each pose before the surface is looked at from there.
+  void beforeEachLook(std::function<void(const Pose& T_WC)> prepare) { prepare_ = std::move(prepare); }
 
  private:
   Config config_;
   Tracker tracker_;
   ModelView view_;
+  std::function<void(const Pose& T_WC)> prepare_;
 };
 
 }  // namespace saccade

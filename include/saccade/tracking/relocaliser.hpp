@@ -59,6 +59,8 @@ class Relocaliser {
   /// The frame's place if one of the best hypotheses is verified against `surface`; none otherwise.
   [[nodiscard]] std::optional<VerifiedPlace> find(const FrameFeatures& features, const DepthMaps& depth,
                                                   const SurfaceVolume& surface);
+  /// As PlaceVerifier::beforeEachLook().
+  void beforeEachLook(std::function<void(const Pose& T_WC)> prepare) { verifier_.beforeEachLook(std::move(prepare)); }
 
  private:
   struct Memory;

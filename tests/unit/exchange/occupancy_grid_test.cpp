@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "saccade/exchange/up_direction.hpp"
 #include "saccade/map/ior_octree.hpp"
 #include "support/ior_trees.hpp"
 
@@ -95,19 +94,6 @@ TEST(OccupancyGrid, GoesOutAsMapServerHasIt) {
   for (const char* line : {"image: room.pgm\n", "resolution: 0.05\n", "negate: 0\n", "occupied_thresh: 0.65\n"}) {
     EXPECT_NE(yaml.str().find(line), std::string::npos) << line;
   }
-}
-
-TEST(UpDirection, IsTheFloorsNormalThoughTheCameraTilts) {
-  FrameRecord frame;
-  frame.T_WC = Pose(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()));
-  const std::vector<FrameRecord> frames(3, frame);
-  const Eigen::Vector3d up = estimateUp(occupiedPoints(room()), frames);
-  constexpr double kQuantised = 0.01;  // normals have 7 bits
-  EXPECT_TRUE(up.isApprox(-Eigen::Vector3d::UnitY(), kQuantised)) << up.transpose();
-}
-
-TEST(UpDirection, WithoutPosesAndNormalsIsZ) {
-  EXPECT_EQ(estimateUp({}, {}), Eigen::Vector3d::UnitZ());
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "saccade/inspection/scene_frame.hpp"
 #include "saccade/rendering/renderer.hpp"
 #include "support/ior_trees.hpp"
 
@@ -91,34 +90,6 @@ TEST(LayerPictureNames, AnUnknownLayerIsRefusedWithTheKnownOnes) {
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("flag"), std::string::npos);
   }
-}
-
-TEST(SceneFrame, UpIsTheFloorsNormalAndTheBoxLeavesOutAStrayLeaf) {
-  IorOcTree tree(kLeafSize_m);
-  const Eigen::Vector3f up = Eigen::Vector3f(0.0f, -1.0f, -0.35f).normalized();  // the camera looked down
-  const auto setFacing = [&](int x, int y, int z, const Eigen::Vector3f& normal) {
-    setLeaf(tree, kCentre + x, kCentre + y, kCentre + z, true);
-    LeafSurface surface;
-    surface.setNormal(normal);
-    tree.findFinestLeaf(test::octoKey(kCentre + x, kCentre + y, kCentre + z))->setSurface(surface);
-  };
-  for (int x = 0; x < 30; ++x) {
-    for (int z = 0; z < 30; ++z) setFacing(x, 0, z, up);
-    for (int y = -20; y < 0; ++y) setFacing(x, y, 30, {0.0f, 0.0f, -1.0f});
-  }
-  setFacing(900, 0, 0, up);
-  tree.updateInnerNodes();
-  const SceneFrame scene = findSceneFrame(tree.view());
-  constexpr double kNormalStep = 0.01;  // normals are kept in steps of 1 / 127
-  EXPECT_NEAR((scene.up_W - up.cast<double>()).norm(), 0.0, kNormalStep);
-  EXPECT_NEAR(scene.box.max().x(), 30 * kLeafSize_m, 1e-9);
-  EXPECT_NEAR(scene.box.min().y(), -20 * kLeafSize_m, 1e-9);
-}
-
-TEST(SceneFrame, AnEmptyMapHasNoBoxAndTheFirstCamerasUp) {
-  const IorOcTree tree(kLeafSize_m);
-  EXPECT_TRUE(findSceneFrame(tree.view()).empty());
-  EXPECT_EQ(findSceneFrame(tree.view()).up_W, Eigen::Vector3d(0, -1, 0));
 }
 
 }  // namespace

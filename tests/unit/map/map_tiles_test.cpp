@@ -1,5 +1,6 @@
 #include "saccade/map/map_tiles.hpp"
 
+#include <algorithm>
 #include <map>
 #include <random>
 #include <stdexcept>
@@ -112,6 +113,55 @@ TEST(MapTiles, AttendingOneLeafChangesOneTile) {
   int changed = 0;
   for (const TileChange& tile : takeTileChanges(map)) changed += tile.changed && !tile.node.isLeaf() ? 1 : 0;
   EXPECT_EQ(changed, 1);
+}
+
+TEST(MapTiles, ATileThatWasTakenOutComesBackAsItWasAndCountsAsUnchanged) {
+  for (const int depth : {3, 8, 10, 12}) {
+    IorMap map = exploredMap();
+    const IorMap original = exploredMap();
+    (void)takeTileChanges(map, depth);
+    int inner = 0;
+    for (const TileChange& tile : tileChanges(original, depth)) {
+      if (tile.node.isLeaf()) {
+        EXPECT_THROW(removeTile(map, tile.root), std::invalid_argument);
+        continue;
+      }
+      ++inner;
+      const MapTile away{tile.root, encodeTile(map, tile.root)};
+      const std::size_t used = map.usedBytes();
+      removeTile(map, tile.root);
+      EXPECT_LT(map.usedBytes(), used);
+      EXPECT_THROW((void)encodeTile(map, tile.root), std::invalid_argument);
+      EXPECT_THROW(removeTile(map, tile.root), std::invalid_argument);
+      insertTile(map, away, kSource);
+      EXPECT_EQ(map.usedBytes(), used);
+      EXPECT_THROW(insertTile(map, away, kSource), IoError);
+    }
+    EXPECT_GT(inner, 0) << depth;
+    EXPECT_TRUE(map.tree() == original.tree()) << depth;
+    for (const TileChange& tile : tileChanges(map, depth)) EXPECT_EQ(tile.changed, tile.node.isLeaf());
+  }
+}
+
+TEST(MapTiles, WithoutItsTilesAMapHoldsWhatIsNoTileAndGetsThemBackInAnyOrder) {
+  IorMap map = exploredMap();
+  const IorMap original = exploredMap();
+  std::vector<MapTile> away;
+  std::size_t leaves = 0;
+  for (const TileChange& tile : tileChanges(original)) {
+    if (tile.node.isLeaf()) {
+      ++leaves;
+      continue;
+    }
+    away.push_back({tile.root, encodeTile(map, tile.root)});
+    removeTile(map, tile.root);
+  }
+  ASSERT_GT(away.size(), 1U);
+  EXPECT_EQ(map.leafCount(), leaves);
+  std::shuffle(away.begin(), away.end(), std::mt19937(3));
+  for (const MapTile& tile : away) insertTile(map, tile, kSource);
+  EXPECT_TRUE(map.tree() == original.tree());
+  EXPECT_EQ(map.nodeCount(), original.nodeCount());
 }
 
 TEST(MapTiles, RestoredMapGoesOnExactlyAsTheOriginal) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -280,6 +282,36 @@ TEST(SurfaceVolume, RefusesBadPosesAndConfigurations) {
   SurfaceVolumeConfig config;
   config.cell_m = 0.0;
   EXPECT_THROW(SurfaceVolume{config}, std::invalid_argument);
+}
+
+TEST(SurfaceVolume, BricksThatWereRemovedComeBackAsTheyWereAndTheirRoomIsUsedAgain) {
+  const DepthScene scene = cornerWithBalls();
+  const Pose T_WC = Pose::Identity();
+  SurfaceVolume volume;
+  for (int i = 0; i < 3; ++i) volume.integrate(measured(scene, T_WC), T_WC);
+  ModelView before, after;
+  volume.rayCast(smallCamera(), T_WC, before);
+  const std::size_t bytes = volume.memoryBytes(), used = volume.usedBytes(), bricks = volume.bricks().size();
+  std::vector<std::pair<BrickPosition, SurfaceBrick>> away;
+  volume.removeBricks([&](std::size_t i) {
+    if (volume.bricks()[i].x % 2 == 0) return false;
+    away.emplace_back(volume.bricks()[i], volume.brick(i));
+    return true;
+  });
+  ASSERT_GT(away.size(), 10U);
+  ASSERT_EQ(volume.bricks().size() + away.size(), bricks);
+  EXPECT_EQ(volume.usedBytes(), used - away.size() * sizeof(SurfaceBrick));
+  for (const BrickPosition& brick : volume.bricks()) EXPECT_EQ(brick.x % 2, 0);
+
+  const std::uint64_t changes = volume.changes();
+  for (const auto& [position, brick] : away) volume.returnBrick(position, brick);
+  EXPECT_THROW(volume.returnBrick(away[0].first, away[0].second), std::logic_error);
+  EXPECT_EQ(volume.changes(), changes);
+  EXPECT_EQ(volume.lastChange(bricks - 1), 0U);
+  EXPECT_LE(volume.memoryBytes(), bytes);
+  volume.rayCast(smallCamera(), T_WC, after);
+  EXPECT_EQ(cv::norm(before.depth_m, after.depth_m, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(before.normals, after.normals, cv::NORM_INF), 0.0);
 }
 
 }  // namespace
