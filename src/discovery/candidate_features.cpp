@@ -9,6 +9,7 @@
 
 #include "saccade/core/config_fields.hpp"
 #include "saccade/core/multiversion.hpp"
+#include "saccade/discovery/box_agreement.hpp"
 
 namespace saccade {
 namespace {
@@ -85,6 +86,10 @@ void CandidateMeasurer::measure(std::span<Candidate> candidates, const Perceptio
     color_structure_[static_cast<std::size_t>(i)] = pixels / seen.color_segments.sums(i).area;
   }
   for (Candidate& candidate : candidates) measureOne(candidate, seen);
+  const std::vector<int> agreeing = countAgreeing(candidates);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    candidates[i].cues[kCueAgreement] = static_cast<float>(std::log1p(agreeing[i]));
+  }
 }
 
 void CandidateMeasurer::measureOne(Candidate& candidate, const Perception& seen) {
@@ -110,7 +115,32 @@ void CandidateMeasurer::measureOne(Candidate& candidate, const Perception& seen)
     features[kFeatureConvexity] = static_cast<float>(convexity(candidate, table));
     features[kFeatureDepth] = static_cast<float>(sums.vertex[2] / sums.depth_count / config_.max_range_m);
   }
+  candidate.cues[kCueStraddling] = static_cast<float>(straddling(candidate, seen));
   measureShape(seen, sums, perimeter, candidate);
+}
+
+// Superpixel straddling (Alexe et al. 2012) of masks: each segment of the other segmentation counts with what of it
+// lies inside or outside, whichever is less. 0 where the mask is made of whole segments, as an object's is.
+double CandidateMeasurer::straddling(const Candidate& candidate, const Perception& seen) {
+  const bool is_color = candidate.source == CandidateSource::kColor;
+  const SegmentTable& other = is_color ? seen.surface_segments : seen.color_segments;
+  shared_pixels_.resize(std::max(shared_pixels_.size(), static_cast<std::size_t>(other.count())), 0);
+  neighbors_.clear();
+  for (const std::int32_t segment : candidate.segments) {
+    for (const SegmentOverlap::Share& share :
+         is_color ? seen.overlap.ofFirst(segment) : seen.overlap.ofSecond(segment)) {
+      int& pixels = shared_pixels_[static_cast<std::size_t>(share.other)];
+      if (pixels == 0) neighbors_.push_back(share.other);
+      pixels += share.pixels;
+    }
+  }
+  double straddling = 0.0;
+  for (const std::int32_t segment : neighbors_) {
+    int& pixels = shared_pixels_[static_cast<std::size_t>(segment)];
+    straddling += std::min(pixels, other.sums(segment).area - pixels);
+    pixels = 0;
+  }
+  return straddling / candidate.area;
 }
 
 // The farthest points of all segments together; one point may be there several times.

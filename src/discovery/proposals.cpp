@@ -19,12 +19,20 @@ constexpr double kPairSteps = 0.3;
 // Regions with a larger share of depth steps on their common boundary are never one thing's surface.
 constexpr double kMaxSteps = 0.6;
 
+std::uint64_t hashOf(std::span<const std::int32_t> segments) {
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  for (const std::int32_t segment : segments) {
+    hash = (hash ^ static_cast<std::uint64_t>(segment + 1)) * 0x9E3779B97F4A7C15ULL;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
 // Boxes and areas met so far, told apart in steps of 1/32 to 1/16 of the box's sides and of 15 % of the area: the
-// boxes of two candidates in one cell overlap by more than 0.75, mostly by more than 0.9.
+// boxes of two candidates in one cell overlap by more than 0.75, mostly by more than 0.9. Counts the unions of each.
 class BoxesMet {
  public:
-  // True the first time.
-  bool insert(const cv::Rect& box, int area) {
+  static std::uint64_t cellOf(const cv::Rect& box, int area) {
     const int step_u = stepOf(box.width), step_v = stepOf(box.height);
     std::uint64_t hash = 0xCBF29CE484222325ULL;
     for (const int value : {step_u, step_v, box.x / step_u, box.y / step_v, (box.x + box.width) / step_u,
@@ -32,8 +40,11 @@ class BoxesMet {
       hash = (hash ^ static_cast<std::uint64_t>(value + 1)) * 0x9E3779B97F4A7C15ULL;
       hash ^= hash >> 29;
     }
-    return met_.insert(hash).second;
+    return hash;
   }
+  // Counts one more union; true for the cell's first.
+  bool insert(std::uint64_t cell) { return ++unions_[cell] == 1; }
+  [[nodiscard]] int unions(std::uint64_t cell) const { return unions_.at(cell); }
 
  private:
   static constexpr double kAreaStep = 0.14;  // ln 1.15
@@ -41,7 +52,7 @@ class BoxesMet {
     return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(1, side / 16))));
   }
 
-  std::unordered_set<std::uint64_t> met_;
+  std::unordered_map<std::uint64_t, int> unions_;
 };
 
 // Gathers the candidates of one source and drops those met before.
@@ -64,34 +75,29 @@ class Pool {
 
   void add(std::span<const std::int32_t> segments, const SegmentSums& sums) {
     if (segments.empty() || sums.area < min_area_ || sums.area > max_area_) return;
-    // The same segments have the same box, so the one test covers the other.
-    if (!config_.paper && !(config_.distinct_boxes ? boxes_.insert(sums.box(), sums.area) : isNew(segments))) return;
+    const std::uint64_t cell = BoxesMet::cellOf(sums.box(), sums.area);
+    if (!config_.paper && (!isNew(segments) || (!boxes_.insert(cell) && config_.distinct_boxes))) return;
     Candidate candidate;
     candidate.source = source_;
     candidate.segments.assign(segments.begin(), segments.end());
     candidate.box = sums.box();
     candidate.area = sums.area;
     pool_.push_back(std::move(candidate));
+    cells_.push_back(cell);
   }
 
   [[nodiscard]] const Candidates& candidates() const { return pool_; }
-  [[nodiscard]] Candidates take() { return std::move(pool_); }
+  // Call when both sources are done: what is proposed later counts too.
+  [[nodiscard]] Candidates take() {
+    for (std::size_t i = 0; config_.distinct_boxes && !config_.paper && i < pool_.size(); ++i) {
+      pool_[i].unions = boxes_.unions(cells_[i]);
+    }
+    return std::move(pool_);
+  }
 
  private:
-  [[nodiscard]] bool isNew(std::span<const std::int32_t> segments) {
-    std::uint64_t hash = 0xCBF29CE484222325ULL;
-    for (const std::int32_t segment : segments) {
-      hash = (hash ^ static_cast<std::uint64_t>(segment + 1)) * 0x9E3779B97F4A7C15ULL;
-      hash ^= hash >> 29;
-    }
-    const auto [begin, end] = known_.equal_range(hash);
-    for (auto it = begin; it != end; ++it) {
-      const std::vector<std::int32_t>& other = pool_[it->second].segments;
-      if (std::equal(other.begin(), other.end(), segments.begin(), segments.end())) return false;
-    }
-    known_.emplace(hash, pool_.size());
-    return true;
-  }
+  // Whether these segments have not been proposed yet; two unions are taken for one if 64 bits of hash are equal.
+  [[nodiscard]] bool isNew(std::span<const std::int32_t> segments) { return known_.insert(hashOf(segments)).second; }
 
   const SegmentTable& table_;
   CandidateSource source_;
@@ -99,7 +105,8 @@ class Pool {
   BoxesMet& boxes_;
   int min_area_ = 1, max_area_ = 0;
   Candidates pool_;
-  std::unordered_multimap<std::uint64_t, std::size_t> known_;
+  std::vector<std::uint64_t> cells_;  ///< of the candidates
+  std::unordered_set<std::uint64_t> known_;
 };
 
 // For each pixel the column where its run of equal labels ends: blobs are then crossed run by run.

@@ -46,11 +46,14 @@ constexpr std::array<std::string_view, kCueCount> kCueNames{"extent",
                                                             "inner contrast",
                                                             "inner steps",
                                                             "open outline",
-                                                            "weakest neighbour"};
+                                                            "weakest neighbour",
+                                                            "agreement",
+                                                            "straddling"};
 constexpr std::array kDepthFeatures{kFeatureConvexity, kFeatureDepth};
-constexpr std::array kDepthCues{kCueNearer,    kCueFarther, kCueUnknownDepth, kCueMetricSize,
-                                kCueLength,    kCueBreadth, kCueThickness,    kCueHeight,
-                                kCueStructure, kCueSupport, kCueInnerSteps};
+// Agreement and straddling compare the pools and segments of colour and depth.
+constexpr std::array kDepthCues{kCueNearer,     kCueFarther,   kCueUnknownDepth, kCueMetricSize, kCueLength,
+                                kCueBreadth,    kCueThickness, kCueHeight,       kCueStructure,  kCueSupport,
+                                kCueInnerSteps, kCueAgreement, kCueStraddling};
 
 template <typename List>
 bool contains(const List& list, int value) {

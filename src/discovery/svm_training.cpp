@@ -5,20 +5,20 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <random>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include <libsvm/svm.h>
 
+#include "saccade/discovery/kernel_expansion.hpp"
+
 namespace saccade {
 namespace {
 
 constexpr double kCacheMib = 200.0;
 constexpr double kStop = 1e-3;
-// Share of the examples that a repetition takes less than the number of support vectors asks for.
-constexpr double kShrink = 0.9;
 
 struct ModelDeleter {
   void operator()(svm_model* model) const { svm_free_and_destroy_model(&model); }
@@ -159,19 +159,40 @@ Sigmoid fitSigmoid(const std::vector<double>& decisions, const std::vector<std::
   return best;
 }
 
-// The model in LIBSVM's text format, with the sigmoid.
-std::string writeModel(const svm_model& model, const Sigmoid& sigmoid) {
+// LIBSVM's own model, its rows filled up with zeros again.
+KernelExpansion expansionOf(const svm_model& model, std::size_t dimension) {
+  KernelExpansion expansion{dimension, model.param.gamma, model.rho[0], {}, {}};
+  for (int i = 0; i < model.l; ++i) {
+    expansion.coefficients.push_back(model.sv_coef[0][i]);
+    const std::size_t begin = expansion.vectors.size();
+    expansion.vectors.resize(begin + dimension, 0.0);
+    for (const svm_node* node = model.SV[i]; node->index != -1; ++node) {
+      expansion.vectors[begin + static_cast<std::size_t>(node->index) - 1] = node->value;
+    }
+  }
+  return expansion;
+}
+
+// The model in LIBSVM's text format, with the sigmoid. LIBSVM lists the vectors of the first class, whose coefficients
+// are positive, before those of the second.
+std::string writeModel(const KernelExpansion& expansion, const Sigmoid& sigmoid) {
+  std::vector<std::size_t> order(expansion.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto second =
+      std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return expansion.coefficients[i] > 0.0; });
   std::ostringstream out;
   out.precision(12);
-  out << "svm_type c_svc\nkernel_type rbf\ngamma " << model.param.gamma << "\nnr_class 2\ntotal_sv " << model.l
-      << "\nrho " << model.rho[0] << "\nlabel " << model.label[0] << ' ' << model.label[1] << "\nprobA " << sigmoid.a
-      << "\nprobB " << sigmoid.b << "\nnr_sv " << model.nSV[0] << ' ' << model.nSV[1] << "\nSV\n";
-  for (int i = 0; i < model.l; ++i) {
-    out << model.sv_coef[0][i];
-    for (const svm_node* node = model.SV[i]; node->index != -1; ++node) {
-      char value[32];
-      std::snprintf(value, sizeof value, "%.4g", node->value);
-      if (node->value != 0.0) out << ' ' << node->index << ':' << value;
+  out << "svm_type c_svc\nkernel_type rbf\ngamma " << expansion.gamma << "\nnr_class 2\ntotal_sv " << order.size()
+      << "\nrho " << expansion.rho << "\nlabel 1 -1\nprobA " << sigmoid.a << "\nprobB " << sigmoid.b << "\nnr_sv "
+      << second - order.begin() << ' ' << order.end() - second << "\nSV\n";
+  for (const std::size_t i : order) {
+    out << expansion.coefficients[i];
+    for (std::size_t k = 0; k < expansion.dimension; ++k) {
+      const double value = expansion.vectors[i * expansion.dimension + k];
+      char text[32];
+      std::snprintf(text, sizeof text, "%.4g", value);
+      // The last index says how long a row is, so it is there even where its value is 0 throughout.
+      if (value != 0.0 || k + 1 == expansion.dimension) out << ' ' << k + 1 << ':' << text;
     }
     out << " \n";
   }
@@ -205,28 +226,20 @@ Svm trainSvm(const SvmExamples& examples, const SvmTrainingConfig& config) {
                                 " examples; both classes are needed");
   }
   svm_set_print_string_function(&silent);
-  std::vector<std::size_t> order(n);
-  for (std::size_t i = 0; i < n; ++i) order[i] = i;
-  std::mt19937_64 random(config.seed);
-  for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[random() % i]);  // the same with every library
+  std::vector<std::size_t> chosen(n);
+  std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+  objectFirst(examples, chosen);
+  const Problem problem(examples, chosen);
+  const KernelExpansion whole = expansionOf(*train(examples, chosen, problem, config), examples.dimension);
+  const std::vector<double> rows(examples.rows.begin(), examples.rows.end());
+  const KernelExpansion kept = reduced(whole, static_cast<std::size_t>(config.max_vectors), rows, config.seed);
 
-  std::size_t count = n;
-  while (true) {
-    std::vector<std::size_t> chosen(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count));
-    std::sort(chosen.begin(), chosen.end());
-    objectFirst(examples, chosen);
-    const Problem problem(examples, chosen);
-    const ModelPointer model = train(examples, chosen, problem, config);
-    if (model->l > config.max_vectors && count > 50) {
-      count = static_cast<std::size_t>(kShrink * static_cast<double>(count) *
-                                       std::max(0.3, static_cast<double>(config.max_vectors) / model->l));
-      continue;
-    }
-    const std::vector<double> decisions = heldOutDecisions(examples, chosen, config);
-    std::vector<std::int8_t> labels;
-    for (const std::size_t i : chosen) labels.push_back(examples.labels[i]);
-    return Svm::parse(writeModel(*model, fitSigmoid(decisions, labels)));
-  }
+  std::vector<std::int8_t> labels;
+  for (const std::size_t i : chosen) labels.push_back(examples.labels[i]);
+  Sigmoid sigmoid = fitSigmoid(heldOutDecisions(examples, chosen, config), labels);
+  // From one or two groups nothing is learnt about others; the order of the decisions must not be turned round for it.
+  if (sigmoid.a >= 0.0) sigmoid = fitSigmoid(whole.values(rows), examples.labels);
+  return Svm::parse(writeModel(kept, sigmoid));
 }
 
 }  // namespace saccade

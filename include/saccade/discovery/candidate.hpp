@@ -48,6 +48,8 @@ enum CandidateCue : int {
   kCueInnerSteps,        ///< share of those cracks (where depth is known) that are depth steps: several things at once
   kCueOpenOutline,       ///< share of the outline to neighbours that differ in neither colour nor depth: a part of more
   kCueWeakestNeighbor,   ///< contrast to the most alike neighbour of some length, see candidate_features.cpp
+  kCueAgreement,         ///< ln(1 + unions proposed with nearly this box), see box_agreement.hpp
+  kCueStraddling,        ///< share of the mask by which the other segmentation's segments stick out (or in) over it
   kCueCount,
 };
 
@@ -58,6 +60,7 @@ struct Candidate {
   std::vector<std::int32_t> segments;  ///< ids in the source's segmentation, rising
   cv::Rect box;                        ///< width = max u - min u + 1
   int area = 0;                        ///< pixels
+  int unions = 1;                      ///< different unions for which this one stands in the pool, itself included
 
   std::array<float, kFeatureCount> features{};
   std::array<float, kCueCount> cues{};

@@ -38,6 +38,7 @@ class CandidateMeasurer {
   void measureOne(Candidate& candidate, const Perception& seen);
   void gatherExtremes(std::span<const std::int32_t> segments, const SegmentTable& table);
   [[nodiscard]] double convexity(const Candidate& candidate, const SegmentTable& table);
+  [[nodiscard]] double straddling(const Candidate& candidate, const Perception& seen);
   int measureOutline(const Perception& seen, const SegmentSums& sums, Candidate& candidate);
   [[nodiscard]] double takeWeakestNeighbor(double min_length);
   void measureShape(const Perception& seen, const SegmentSums& sums, int perimeter, Candidate& candidate) const;
@@ -50,6 +51,7 @@ class CandidateMeasurer {
   std::vector<std::uint8_t> is_member_;
   std::vector<std::int32_t> neighbors_;                      ///< of the candidate being measured
   std::vector<SegmentEdge> neighbor_edges_;                  ///< what it shares with each; all empty between candidates
+  std::vector<int> shared_pixels_;                           ///< with the other source's segments; 0 between candidates
   std::vector<double> color_structure_, surface_structure_;  ///< of each segment: share that lies on a large plane
 };
 

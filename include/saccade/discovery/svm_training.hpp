@@ -27,7 +27,7 @@ struct SvmTrainingConfig {
 };
 
 /// Trains a C-SVC with RBF kernel by LIBSVM. The two classes weigh the same in total. If more than `max_vectors`
-/// support vectors come out, training is repeated on a seeded part of the examples. The sigmoid that turns decisions
+/// support vectors come out, a reduced set takes their place (kernel_expansion.hpp). The sigmoid that turns decisions
 /// into probabilities (Platt 1999) is fitted on decisions about groups held out, not on single examples held out as
 /// LIBSVM would. Throws std::invalid_argument if a class has no example or the sizes disagree. Deterministic.
 [[nodiscard]] Svm trainSvm(const SvmExamples& examples, const SvmTrainingConfig& config);

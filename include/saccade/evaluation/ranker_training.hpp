@@ -14,15 +14,15 @@ namespace saccade {
 struct RankerTrainingConfig {
   DiscoveryConfig discovery;  ///< `discovery.ranking.paper` chooses the paper's twelve features
   double positive_iou = 0.55;
-  double negative_iou = 0.35;
+  double negative_iou = 0.5;
   double min_negative_depth = 0.5;
-  int positives_per_frame = 24;
-  int negatives_per_frame = 48;
+  int positives_per_frame = 16;
+  int negatives_per_frame = 40;
   int folds = 2;
   std::vector<double> c_values = {1.0, 4.0, 16.0};
   std::vector<double> gamma_values = {0.01, 0.03, 0.1};
   bool ablation = false;
-  int max_vectors = 600;
+  int max_vectors = 256;
   int seed = 1;
 
   void describe(ConfigVisitor& v) {
@@ -71,8 +71,9 @@ struct RankerTraining {
 
 /// Trains the ranker on the labelled frames of `inputs` (anything openSource opens), as `saccade train`.
 ///
-/// A candidate is an example of an object if it overlaps a labelled one well, of the rest if it overlaps none and lies
-/// where depth was measured (data sets that crop the depth of the background would teach "no depth = no object");
+/// A candidate is an example of an object if it overlaps a labelled one well, of the rest if it shows none by the
+/// Pascal criterion (so parts of objects count too: they are what takes objects' places in a list) and lies where depth
+/// was measured (data sets that crop the depth of the background would teach "no depth = no object");
 /// those between, and those on ignored ids, are left out. C and γ are chosen by cross-validation over whole frames, by
 /// the recall of the ranked lists, not by the accuracy of single decisions. Deterministic. Throws IoError if an input
 /// cannot be opened, std::invalid_argument if there is nothing to learn from.

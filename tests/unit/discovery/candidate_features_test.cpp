@@ -116,6 +116,32 @@ TEST(CandidateFeatures, WithoutDepthHaveNoConvexityAndNoDepth) {
   EXPECT_GT(pool[0].features[kFeatureArea], 0.0F);
 }
 
+// A colour segment of the columns from `begin` to 40 of an image whose surfaces part at column 20.
+float straddlingFrom(int begin) {
+  const cv::Size size(40, 10);
+  std::mt19937 random(1);
+  test::RandomScene scene;
+  scene.image = cv::Mat3b::zeros(size);
+  scene.seen.saliency = cv::Mat1f::zeros(size);
+  scene.depth = test::randomDepth(size, random);
+  scene.seen.color.labels = cv::Mat1i::zeros(size);
+  scene.seen.color.labels.colRange(begin, size.width) = 1;
+  scene.seen.color.count = 2;
+  scene.seen.surface.labels = cv::Mat1i::zeros(size);
+  scene.seen.surface.labels.colRange(20, size.width) = 1;
+  scene.seen.surface.count = 2;
+  scene.seen.makeTables(scene.image, &scene.depth);
+  Candidates pool{test::candidateOf(scene.seen, CandidateSource::kColor, {1})};
+  CandidateMeasurer().measure(pool, scene.seen);
+  return pool[0].cues[kCueStraddling];
+}
+
+TEST(CandidateFeatures, StraddlingIsTheShareThatCutsThroughTheOtherSegments) {
+  EXPECT_FLOAT_EQ(straddlingFrom(20), 0.0F) << "exactly a surface";
+  EXPECT_FLOAT_EQ(straddlingFrom(16), 4.0F / 24.0F) << "4 of 24 columns stick out of it";
+  EXPECT_FLOAT_EQ(straddlingFrom(26), 6.0F / 14.0F) << "6 of the surface's columns are left out";
+}
+
 TEST(CandidateFeatures, OfASinglePixelAreFinite) {
   Perception seen;
   seen.saliency = cv::Mat1f::ones(5, 5);

@@ -60,6 +60,17 @@ TEST(Proposals, OfDistinctBoxesStandForAllThatAreLeftOut) {
   }
 }
 
+TEST(Proposals, OfDistinctBoxesCountTheUnionsTheyStandFor) {
+  std::size_t unions = 0;
+  for (const Candidate& candidate : propose(true)) unions += static_cast<std::size_t>(candidate.unions);
+  // Depth candidates that stand for others select colour segments for these too: what they would have added is not
+  // proposed, so the distinct ones stand for no more than there are without the limit.
+  const Candidates all = propose(false);
+  EXPECT_LE(unions, all.size());
+  EXPECT_GT(unions, propose(true).size());
+  for (const Candidate& candidate : all) EXPECT_EQ(candidate.unions, 1);
+}
+
 TEST(Proposals, OfThePaperComeFromBlobsAlone) {
   test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
   scene.seen.blobs.clear();

@@ -78,6 +78,21 @@ TEST(SvmTraining, KeepsToItsNumberOfSupportVectorsAndToItsSeed) {
   EXPECT_EQ(trainSvm(examples, config).text(), svm.text());
 }
 
+TEST(SvmTraining, NeverTurnsTheOrderOfDecisionsRoundWhereGroupsContradictEachOther) {
+  // Nearly all objects are in one group, nearly all others in the second: what each teaches is wrong for the other.
+  SvmExamples examples = shellExamples(200);
+  for (std::size_t i = 0; i < examples.size(); ++i) {
+    examples.groups[i] = examples.labels[i] > 0 ? 0 : 1;
+    if (i % 10 == 0) examples.groups[i] = 1 - examples.groups[i];
+  }
+  const Svm svm = trainSvm(examples, {.c = 10.0, .gamma = 0.2, .folds = 2});
+  std::vector<double> probability(examples.size());
+  svm.predict(examples.rows, examples.size(), probability);
+  std::size_t right = 0;
+  for (std::size_t i = 0; i < examples.size(); ++i) right += (probability[i] > 0.5) == (examples.labels[i] > 0) ? 1 : 0;
+  EXPECT_GT(right, examples.size() * 9 / 10);
+}
+
 TEST(SvmTraining, RefusesExamplesOfOneClassOnly) {
   SvmExamples examples = shellExamples(40);
   std::fill(examples.labels.begin(), examples.labels.end(), std::int8_t{-1});
