@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
 
 #include "bench/perceived_frames.hpp"
 #include "saccade/discovery/inhibition.hpp"
@@ -86,8 +87,9 @@ void scoreCandidates(benchmark::State& state) {
 }
 BENCHMARK(scoreCandidates)->Unit(benchmark::kMillisecond);
 
-/// Features, scores, duplicates and suppression.
+/// Features, scores, duplicates and suppression, on one core: idle ones would help.
 void rankCandidates(benchmark::State& state) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const std::vector<PerceivedFrame>& frames = perceivedFrames();
   const std::vector<Candidates> all = pools();
   Ranker ranker;

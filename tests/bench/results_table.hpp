@@ -23,13 +23,18 @@ class ResultsTable : public benchmark::ConsoleReporter {
   [[nodiscard]] std::vector<ScaleLine> scale() const;
 
  private:
+  /// A benchmark of what one would take instead, and how many times it would have to run for the same work.
+  struct Rival {
+    std::string name, label;
+    double times = 1.0;
+  };
   struct Result {
     double time_ms = 0.0;
     std::map<std::string, double> counters;
   };
 
   [[nodiscard]] std::string row(const std::string& stage, const std::vector<std::string>& ours,
-                                const std::vector<std::pair<std::string, std::string>>& rivals) const;
+                                const std::vector<Rival>& rivals) const;
   [[nodiscard]] std::string scaleRow() const;
   [[nodiscard]] double timeOf(const std::string& name) const;
 

@@ -16,7 +16,7 @@
 namespace saccade::bench {
 namespace {
 
-constexpr std::size_t kFramesAtHome = 10;
+constexpr std::size_t kFramesAtHome = 2;
 /// Copies stand this far apart, beyond what two cameras see (4 m each), in layers of kCopiesAlongEdge squared.
 constexpr double kSpacing_m = 9.0;
 constexpr std::int64_t kCopiesAlongEdge = 60;

@@ -14,14 +14,18 @@ namespace {
 constexpr double kWidth = 720, kHeight = 360, kLeft = 60, kRight = 150, kTop = 30, kBottom = 45;
 // Okabe and Ito's colours, told apart by colour-blind eyes too.
 constexpr std::array kColors = {"#0072B2", "#D55E00", "#009E73", "#CC79A7"};
+constexpr std::array kExponents = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
 
 /// Takes leaves and milliseconds to the picture.
 struct Axes {
-  double first_decade = 5, last_decade = 6, most_ms = 1;
+  double first_decade = 8, last_decade = 6, most_ms = 1;
 
   explicit Axes(const std::vector<ScaleLine>& lines) {
     for (const ScaleLine& line : lines) {
-      for (const double leaves : line.leaves) last_decade = std::max(last_decade, std::ceil(std::log10(leaves)));
+      for (const double leaves : line.leaves) {
+        first_decade = std::min(first_decade, std::floor(std::log10(leaves)));
+        last_decade = std::max(last_decade, std::ceil(std::log10(leaves)));
+      }
       for (const double ms : line.time_ms) most_ms = std::max(most_ms, 1.1 * ms);
     }
   }
@@ -44,7 +48,7 @@ std::string grid(const Axes& axes) {
   for (double decade = axes.first_decade; decade <= axes.last_decade; ++decade) {
     rule(axes.x(decade), kTop, axes.x(decade), kHeight - kBottom);
     svg += text(axes.x(decade), kHeight - kBottom + 18, "middle",
-                fmt::format("10<tspan dy=\"-5\" font-size=\"9\">{:.0f}</tspan>", decade));
+                fmt::format("10{}", kExponents[static_cast<std::size_t>(decade) % kExponents.size()]));
   }
   const double step = std::pow(10.0, std::floor(std::log10(axes.most_ms / 2.0)));
   for (double ms = 0; ms <= axes.most_ms; ms += step) {
