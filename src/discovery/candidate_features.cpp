@@ -9,7 +9,6 @@
 
 #include "saccade/core/config_fields.hpp"
 #include "saccade/core/multiversion.hpp"
-#include "saccade/discovery/box_agreement.hpp"
 
 namespace saccade {
 namespace {
@@ -86,10 +85,6 @@ void CandidateMeasurer::measure(std::span<Candidate> candidates, const Perceptio
     color_structure_[static_cast<std::size_t>(i)] = pixels / seen.color_segments.sums(i).area;
   }
   for (Candidate& candidate : candidates) measureOne(candidate, seen);
-  const std::vector<int> agreeing = countAgreeing(candidates);
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    candidates[i].cues[kCueAgreement] = static_cast<float>(std::log1p(agreeing[i]));
-  }
 }
 
 void CandidateMeasurer::measureOne(Candidate& candidate, const Perception& seen) {
@@ -115,6 +110,7 @@ void CandidateMeasurer::measureOne(Candidate& candidate, const Perception& seen)
     features[kFeatureConvexity] = static_cast<float>(convexity(candidate, table));
     features[kFeatureDepth] = static_cast<float>(sums.vertex[2] / sums.depth_count / config_.max_range_m);
   }
+  candidate.cues[kCueAgreement] = static_cast<float>(std::log1p(candidate.unions));
   candidate.cues[kCueStraddling] = static_cast<float>(straddling(candidate, seen));
   measureShape(seen, sums, perimeter, candidate);
 }

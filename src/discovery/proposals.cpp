@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "saccade/discovery/box_agreement.hpp"
 #include "saccade/discovery/region_merging.hpp"
 
 namespace saccade {
@@ -306,6 +307,10 @@ Candidates proposeCandidates(const Perception& seen, const ProposalConfig& confi
   Candidates pool = color.take();
   Candidates from_depth = depth.take();
   pool.insert(pool.end(), std::make_move_iterator(from_depth.begin()), std::make_move_iterator(from_depth.end()));
+  if (!config.paper) {
+    const std::vector<int> agreeing = countAgreeing(pool);
+    for (std::size_t i = 0; i < pool.size(); ++i) pool[i].unions = agreeing[i];
+  }
   return pool;
 }
 

@@ -64,41 +64,72 @@ struct Waiting {
   }
 };
 
-/// Takes the best, lowers the score of those whose box overlaps it, takes the best of what is left, until there are
-/// `config.max_open`. Scores only ever fall: one needs to be brought up to date only when it is the highest, and most
-/// candidates never are. `isNew(candidate, better)` is asked once of each that is, with those before it in `sorted`
-/// that were new.
+/// Takes candidates one by one, the best first, whose scores fall with their overlap with those taken. Scores only ever
+/// fall: one needs to be brought up to date only when it is the highest, and most candidates never are.
+class Queue {
+ public:
+  /// `sorted`: by falling score, must outlive the queue. Overlap above `from` lowers scores.
+  Queue(const Candidates& sorted, double from) : sorted_(sorted), from_(from), is_out_(sorted.size(), 0) {}
+
+  /// Every candidate that is still in starts again from its own score; from now on overlap lowers it by `power`.
+  void restart(double power) {
+    power_ = power;
+    heap_.clear();
+    for (std::size_t i = 0; i < sorted_.size(); ++i) {
+      if (is_out_[i] == 0) heap_.push_back({sorted_[i].score, i, 0});  // by falling score: a heap as it is
+    }
+  }
+  [[nodiscard]] bool empty() const { return heap_.empty(); }
+  /// Removes and returns the best. What it overlaps counts from here on only if it is taken.
+  Waiting pop() {
+    while (true) {
+      std::pop_heap(heap_.begin(), heap_.end());
+      Waiting next = heap_.back();
+      heap_.pop_back();
+      const double before = next.score;
+      for (; next.met < taken_.size(); ++next.met) next.score *= kept(taken_[next.met], sorted_[next.index].box);
+      if (next.score >= before) {
+        is_out_[next.index] = 1;
+        return next;
+      }
+      heap_.push_back(next);
+      std::push_heap(heap_.begin(), heap_.end());
+    }
+  }
+  void take(const Waiting& chosen) { taken_.push_back(sorted_[chosen.index].box); }
+
+ private:
+  /// The share of its score that `box` keeps beside one taken.
+  [[nodiscard]] double kept(const cv::Rect& taken, const cv::Rect& box) const {
+    const double over = boxIou(taken, box) - from_;
+    return over > 0.0 && power_ > 0.0 ? std::pow(1.0 - over / (1.0 - from_), power_) : 1.0;
+  }
+
+  const Candidates& sorted_;
+  double from_, power_ = 0.0;
+  std::vector<char> is_out_;
+  std::vector<Waiting> heap_;
+  std::vector<cv::Rect> taken_;
+};
+
+/// Takes the best `config.max_open`, those beyond the first `config.top_k` with the stronger suppression.
+/// `isNew(candidate, better)` is asked of each before it is taken, with those taken before it.
 template <typename IsNew>
 Candidates takeBest(Candidates sorted, const RankingConfig& config, const IsNew& isNew) {
   const bool suppress = config.suppress && !config.paper;
-  std::vector<Waiting> heap;  // sorted by falling score: a heap as it is
-  for (std::size_t i = 0; i < sorted.size(); ++i) heap.push_back({sorted[i].score, i, 0});
-  std::vector<cv::Rect> taken_boxes;
-  std::vector<const Candidate*> fresh;
+  Queue queue(sorted, config.suppress_from);
+  const double cover_power = std::max(config.suppress_power, config.cover_power);  // no score may rise again
+  queue.restart(!suppress ? 0.0 : config.top_k > 0 ? config.suppress_power : cover_power);
+  std::vector<const Candidate*> better;
   std::vector<Waiting> taken;
-  std::vector<char> is_met(sorted.size(), 0);
-  while (!heap.empty() && taken.size() < static_cast<std::size_t>(config.max_open)) {
-    std::pop_heap(heap.begin(), heap.end());
-    Waiting next = heap.back();
-    heap.pop_back();
+  while (!queue.empty() && taken.size() < static_cast<std::size_t>(config.max_open)) {
+    const Waiting next = queue.pop();
     const Candidate& candidate = sorted[next.index];
-    if (is_met[next.index] == 0) {
-      is_met[next.index] = 1;
-      if (!isNew(candidate, fresh)) continue;
-      fresh.push_back(&candidate);
-    }
-    const double before = next.score;
-    for (; suppress && next.met < taken_boxes.size(); ++next.met) {
-      const double over = boxIou(taken_boxes[next.met], candidate.box) - config.suppress_from;
-      if (over > 0.0) next.score *= std::pow(1.0 - over / (1.0 - config.suppress_from), config.suppress_power);
-    }
-    if (next.score < before) {
-      heap.push_back(next);
-      std::push_heap(heap.begin(), heap.end());
-      continue;
-    }
+    if (!isNew(candidate, better)) continue;
+    better.push_back(&candidate);
     taken.push_back(next);
-    taken_boxes.push_back(candidate.box);
+    queue.take(next);
+    if (suppress && taken.size() == static_cast<std::size_t>(config.top_k)) queue.restart(cover_power);
   }
   Candidates best;
   best.reserve(taken.size());

@@ -6,7 +6,8 @@
 
 namespace saccade {
 
-/// Returns for each candidate how many unions (Candidate::unions) of the pool have nearly its box, its own included:
+/// Returns for each candidate how many unions of the pool have nearly its box, its own included (what Candidate::unions
+/// says of each, summed):
 /// intersection over union at least 0.7. Beyond the paper: an object's box is met again on many ways through the
 /// segments, by colour and by depth, that of an accidental union is not.
 ///

@@ -60,7 +60,7 @@ struct Candidate {
   std::vector<std::int32_t> segments;  ///< ids in the source's segmentation, rising
   cv::Rect box;                        ///< width = max u - min u + 1
   int area = 0;                        ///< pixels
-  int unions = 1;                      ///< different unions for which this one stands in the pool, itself included
+  int unions = 1;                      ///< unions proposed with nearly this box, itself included: box_agreement.hpp
 
   std::array<float, kFeatureCount> features{};
   std::array<float, kCueCount> cues{};

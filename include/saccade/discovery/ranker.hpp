@@ -18,6 +18,7 @@ struct RankingConfig {
   bool suppress = true;
   double suppress_from = 0.2;
   double suppress_power = 0.25;
+  double cover_power = 1.0;
   FeatureConfig features;
 
   void describe(ConfigVisitor& v) {
@@ -29,6 +30,8 @@ struct RankingConfig {
            "candidates that overlap a better one lose score, so that the best are of many things");
     v.number("suppress_from", suppress_from, {0.0, 1.0}, "", "box overlap from which score is lost");
     v.number("suppress_power", suppress_power, {0.0, 100.0}, "", "how steeply the score falls to 0 at full overlap");
+    v.number("cover_power", cover_power, {0.0, 100.0}, "",
+             "the same (if steeper) for candidates after the first top_k");
     v.section("features", features, "measuring candidates");
   }
 };
@@ -45,7 +48,8 @@ class Ranker {
 
   /// Returns the best `max_open` of `open`, measured, scored and sorted by falling score; ties go by source, then by
   /// the pool's order. Duplicates (masks alike) keep the better score only. With suppression the score of a candidate
-  /// is the SVM's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017).
+  /// is the SVM's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017): gently among
+  /// the first `top_k`, which are attended, steeply after them, where a list is read to miss nothing.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
 
   /// rank(), cut to `k`.
@@ -60,8 +64,7 @@ class Ranker {
   std::vector<CandidateMeasurer> measurers_;  ///< one for each part of the candidates that is measured by itself
 };
 
-/// Orders `sorted` (by falling score) anew: takes the best, lowers the score of those whose box overlaps it, takes the
-/// best of what is left, until there are `max_open`; drops the rest. Ties: the earlier in `sorted`.
+/// Orders `sorted` (by falling score) anew as Ranker::rank does, duplicates left in. Ties: the earlier in `sorted`.
 void suppressOverlapping(Candidates& sorted, const RankingConfig& config);
 
 /// Pascal overlap of two boxes: intersection over union, 0..1.

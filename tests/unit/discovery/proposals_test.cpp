@@ -1,5 +1,7 @@
 #include "saccade/discovery/proposals.hpp"
 
+#include <algorithm>
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -60,15 +62,21 @@ TEST(Proposals, OfDistinctBoxesStandForAllThatAreLeftOut) {
   }
 }
 
-TEST(Proposals, OfDistinctBoxesCountTheUnionsTheyStandFor) {
-  std::size_t unions = 0;
-  for (const Candidate& candidate : propose(true)) unions += static_cast<std::size_t>(candidate.unions);
-  // Depth candidates that stand for others select colour segments for these too: what they would have added is not
-  // proposed, so the distinct ones stand for no more than there are without the limit.
-  const Candidates all = propose(false);
-  EXPECT_LE(unions, all.size());
-  EXPECT_GT(unions, propose(true).size());
-  for (const Candidate& candidate : all) EXPECT_EQ(candidate.unions, 1);
+TEST(Proposals, CountTheUnionsWithNearlyTheirBoxWhetherTheseAreKeptOrNot) {
+  constexpr double kLeastIou = 0.7;  // as box_agreement.hpp says
+  const auto agreeing = [](const Candidates& pool, const Candidate& candidate) {
+    return static_cast<int>(std::count_if(pool.begin(), pool.end(), [&](const Candidate& other) {
+      return boxIou(candidate.box, other.box) >= kLeastIou;
+    }));
+  };
+  const Candidates all = propose(false), distinct = propose(true);
+  for (const Candidate& candidate : all) EXPECT_EQ(candidate.unions, agreeing(all, candidate));
+  int left_out = 0;
+  for (const Candidate& candidate : distinct) {
+    EXPECT_GE(candidate.unions, agreeing(distinct, candidate));
+    left_out += candidate.unions - agreeing(distinct, candidate);
+  }
+  EXPECT_GT(left_out, 0);
 }
 
 TEST(Proposals, OfThePaperComeFromBlobsAlone) {
@@ -92,6 +100,36 @@ TEST(Suppression, LetsADistantThingPassASecondViewOfTheBest) {
   EXPECT_EQ(sorted[1].box.x, 200);
   EXPECT_EQ(sorted[1].score, 0.6);
   EXPECT_LT(sorted[2].score, 0.8);
+}
+
+TEST(Suppression, AfterTheFirstTopKPrefersWhatNoBetterOneCovers) {
+  Candidates sorted(4);
+  sorted[0].box = {0, 0, 40, 40};
+  sorted[1].box = {4, 0, 40, 40};  // intersection over union with the first: 9/11
+  sorted[2].box = {8, 0, 40, 40};  // 2/3 with the first
+  sorted[3].box = {200, 100, 30, 30};
+  const std::array<double, 4> scores{0.9, 0.85, 0.84, 0.45};
+  for (std::size_t i = 0; i < 4; ++i) sorted[i].score = scores[i];
+  RankingConfig config;
+  config.top_k = 2;
+  suppressOverlapping(sorted, config);
+  ASSERT_EQ(sorted.size(), 4U);
+  EXPECT_EQ(sorted[1].box.x, 8) << "gently among the first: a score of 0.84 is still worth more than 0.45";
+  EXPECT_EQ(sorted[2].box.x, 200) << "steeply after them";
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_LE(sorted[i].score, sorted[i - 1].score);
+}
+
+TEST(Suppression, SwitchedOffLeavesTheOrder) {
+  Candidates sorted(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    sorted[i].box = {static_cast<int>(i), 0, 40, 40};
+    sorted[i].score = 0.9 - 0.1 * static_cast<double>(i);
+  }
+  RankingConfig config;
+  config.suppress = false;
+  config.top_k = 1;
+  suppressOverlapping(sorted, config);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(sorted[i].box.x, static_cast<int>(i));
 }
 
 }  // namespace

@@ -93,6 +93,12 @@ TEST(SvmTraining, NeverTurnsTheOrderOfDecisionsRoundWhereGroupsContradictEachOth
   EXPECT_GT(right, examples.size() * 9 / 10);
 }
 
+TEST(SvmTraining, KnowsTheLengthOfARowWhoseLastValueIsAlwaysZero) {
+  SvmExamples examples = shellExamples(200);
+  for (std::size_t i = kDimension - 1; i < examples.rows.size(); i += kDimension) examples.rows[i] = 0.0F;
+  EXPECT_EQ(trainSvm(examples, {.gamma = 0.2}).dimension(), kDimension);
+}
+
 TEST(SvmTraining, RefusesExamplesOfOneClassOnly) {
   SvmExamples examples = shellExamples(40);
   std::fill(examples.labels.begin(), examples.labels.end(), std::int8_t{-1});
