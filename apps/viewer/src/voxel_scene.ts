@@ -63,6 +63,7 @@ class Level {
   readonly colors: Uint8Array;
   painted = -1; // version of the paint
   lastShown = 0;
+  readonly extent = new THREE.Box3();
   points?: THREE.Points;
   cubes?: THREE.Mesh;
   private readonly place: Float32Array;
@@ -82,6 +83,8 @@ class Level {
           (voxels.corner[k] - kCentreKey) * leaf_m + (voxels.records[12 * i + k] + 0.5 * cells) * step;
       }
     }
+    this.extent.setFromArray(this.place);
+    if (n > 0) this.extent.expandByScalar(0.5 * step);
   }
 
   repaint(): void {
@@ -373,7 +376,7 @@ export class VoxelScene {
     }
     const level = new Level(voxels, tile.row[4], this.leaf_m, tile.sphere);
     tile.levels.set(voxels.depth, level);
-    if (voxels.count > 0) this.box.union(tile.box);
+    this.box.union(level.extent);
   }
   private show(tile: Tile, level: Level | undefined, asCubes: boolean): void {
     const mesh = level?.mesh(asCubes, this.pointMaterial, this.cubeMaterial);
