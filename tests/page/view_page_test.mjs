@@ -36,7 +36,7 @@ async function startServer() {
 /** Number of different colours among the pixels of the map's picture, from a coarse grid of them. */
 const colorsShown = (page) =>
   page.evaluate(async () => {
-    const source = document.querySelector(".stage canvas");
+    const source = await createImageBitmap(await saccade.picture());
     const copy = document.createElement("canvas");
     [copy.width, copy.height] = [160, 90];
     copy.getContext("2d").drawImage(source, 0, 0, 160, 90);
@@ -45,7 +45,7 @@ const colorsShown = (page) =>
     for (let i = 0; i < data.length; i += 4) seen.add((data[i] >> 3) | ((data[i + 1] >> 3) << 5) | ((data[i + 2] >> 3) << 10));
     return seen.size;
   });
-const pixels = (page) => page.evaluate(() => document.querySelector(".stage canvas").toDataURL());
+const pixels = (page) => page.evaluate(async () => Array.from(new Uint8Array(await (await saccade.picture()).arrayBuffer())).join());
 const rest = (page) => page.waitForFunction(() => document.body.dataset.rest === "true", undefined, { timeout: kReady_ms });
 const dataOf = (page, name) => page.evaluate((n) => document.body.dataset[n], name);
 
@@ -184,6 +184,8 @@ try {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   page.setDefaultTimeout(60_000);
   await drive(page, url);
+  await page.setViewportSize({ width: 1280, height: 720 });
+  console.log(`orbit at ${(await page.evaluate(() => saccade.spin(5))).toFixed(1)} frames/s, ${await dataOf(page, "voxels")} voxels`);
   console.log("the page works");
 } finally {
   await browser.close();

@@ -331,9 +331,9 @@ class Page {
     event.preventDefault();
     act();
   }
-  /** Frames a second while the camera goes once around the map. */
-  spin(seconds: number): Promise<number> {
-    return this.scene.spin(seconds);
+  /** For measuring and testing from the browser's console. */
+  get probes(): { spin: (seconds: number) => Promise<number>; picture: () => Promise<Blob | null> } {
+    return { spin: (seconds) => this.scene.spin(seconds), picture: () => this.scene.screenshot() };
   }
 }
 
@@ -344,6 +344,5 @@ function showFailure(error: unknown): void {
 window.addEventListener("unhandledrejection", (event) => showFailure(event.reason));
 
 const page = new Page(await ask.summary());
-// For measuring from the browser's console: await saccade.spin(5).
-(window as unknown as { saccade: { spin: (seconds: number) => Promise<number> } }).saccade = { spin: (seconds) => page.spin(seconds) };
+(window as unknown as { saccade: Page["probes"] }).saccade = page.probes;
 await page.start();

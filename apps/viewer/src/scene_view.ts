@@ -8,6 +8,7 @@ import { goneColor } from "./colors";
 const kFov_deg = 50;
 const kRest_ms = 180; // without motion until the picture is made fine
 const kMostFrames = 40;
+const kStrainedRatio = 0.5; // pixels of the picture for one of the screen, while the camera moves and drawing is slow
 
 export interface Pointed {
   frame?: number;
@@ -42,7 +43,7 @@ export class SceneView {
   private settled = false;
 
   constructor(private readonly summary: Summary, private readonly voxels: VoxelScene, private readonly onFrame: () => void) {
-    this.renderer = new THREE.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true, powerPreference: "high-performance" });
+    this.renderer = new THREE.WebGLRenderer({ antialias: false, powerPreference: "high-performance" });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // colours are sRGB as they come
     THREE.ColorManagement.enabled = false;
     this.canvas = this.renderer.domElement;
@@ -58,7 +59,6 @@ export class SceneView {
     this.touch();
   }
   resize(width: number, height: number): void {
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 1.5));
     this.renderer.setSize(width, height, false);
     this.perspective.aspect = width / Math.max(1, height);
     this.perspective.updateProjectionMatrix();
@@ -257,8 +257,9 @@ export class SceneView {
     return best;
   }
 
+  /** The finest picture as PNG. */
   screenshot(): Promise<Blob | null> {
-    this.draw(false);
+    this.draw(false); // the browser keeps a drawing no longer than until it has shown it
     return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
   }
   /** Once around, for measuring; resolves to frames a second. */
@@ -302,6 +303,8 @@ export class SceneView {
     this.framesPerSecond = (1000 * this.times.length) / this.times.reduce((a, b) => a + b, 0);
   }
   private draw(moving: boolean): void {
+    const ratio = moving && this.voxels.isStrained ? kStrainedRatio : Math.min(devicePixelRatio, 1.5);
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     this.camera.updateMatrixWorld();
     this.voxels.update(this.camera, this.canvas.height, moving, this.lastFrame_ms);
     this.renderer.render(this.scene, this.camera);

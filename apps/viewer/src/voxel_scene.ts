@@ -341,6 +341,10 @@ export class VoxelScene {
       });
     }
   }
+  /** Whether coarser voxels alone do not make the motion smooth. */
+  get isStrained(): boolean {
+    return this.movingPressure > 2.5;
+  }
   /** Tiles and levels that are still on the way. */
   get outstanding(): number {
     return this.wanted.length + this.fetching;
