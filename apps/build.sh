@@ -15,6 +15,8 @@ done
 [ $# -gt 0 ] && shift
 
 "$root/apps/install-packages.sh" $(grep -v '^#' "$root/apps/packages.txt")
+# The page of `saccade view`. An npm from elsewhere would be at odds with Debian's.
+command -v npm >/dev/null || "$root/apps/install-packages.sh" nodejs npm
 
 if [ ! -f "$build/build.ninja" ] || [ -n "$options" ]; then
   cmake -S "$root" -B "$build" -G Ninja $options >"${TMPDIR:-/tmp}/saccade-cmake.$$" 2>&1 || {

@@ -15,6 +15,7 @@ void addEvaluate(CLI::App& program);
 void addRepair(CLI::App& program);
 void addTrain(CLI::App& program);
 void addVerify(CLI::App& program);
+void addView(CLI::App& program);
 void addExport(CLI::App& program);
 void addImport(CLI::App& program);
 void addForget(CLI::App& program);

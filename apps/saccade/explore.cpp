@@ -11,6 +11,7 @@
 #include <tbb/global_control.h>
 
 #include "commands.hpp"
+#include "live_view.hpp"
 #include "saccade/core/config_file.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/inspection/picture_sinks.hpp"
@@ -39,7 +40,7 @@ struct Options {
   bool force = false;
   std::string range, poses, config, model;
   std::vector<std::string> settings;
-  bool print_config = false, no_ior = false, paper = false;
+  bool print_config = false, no_ior = false, paper = false, view = false;
   int threads = 0;
   double map_memory_MiB = 0.0;
   double max_session_MiB = 0.0;
@@ -282,6 +283,11 @@ void run(Options options) {
     if (session == nullptr) throw std::invalid_argument("--max-session-size bounds a session: give -o S");
     session->limitSize(static_cast<std::uint64_t>(options.max_session_MiB * kMiB));
   }
+  std::optional<LiveView> live;
+  if (options.view) {
+    if (session == nullptr) throw std::invalid_argument("--view shows a session: give -o S");
+    live.emplace(options.session, !options.continued.empty());
+  }
 
   catchInterrupts();
   RunTotals totals;
@@ -307,6 +313,7 @@ void run(Options options) {
     totals.add(report);
     last_frame = report.index.value;
     for (const auto& sink : sinks) sink->accept(frame, report);
+    if (live) live->serveIfReady();
     progress.show(totals.frames + totals.skipped,
                   progressText(report, static_cast<double>(totals.frames) / std::max(elapsed(), 1e-9)));
   }
@@ -315,9 +322,11 @@ void run(Options options) {
   if (totals.frames == 0) throw IoError(options.input, "at least one usable frame", "none");
 
   if (session != nullptr && (interrupted() || full())) session->noteInterrupted();
+  auto pause = live ? live->pause() : nullptr;  // a reader that stays would keep the session in two files
   for (const auto& sink : sinks) sink->finish();
   if (session != nullptr && options.map_memory_MiB > 0.0) sayPaging(session->paging());
   if (!options.session.empty()) storeObjects(options.session);
+  pause.reset();
   if (full()) {
     std::cerr << fmt::format(
         "the session has grown to --max-session-size {:g} MiB: ended after frame {}, all that was "
@@ -328,6 +337,7 @@ void run(Options options) {
   sayHowItEnded(source.progress());
   printTotals(totals, explorer, elapsed_s);
   printFiles(options);
+  if (live) live->waitForInterrupt();
 }
 
 }  // namespace
@@ -364,6 +374,7 @@ void addExplore(CLI::App& program) {
   command->add_option("--candidates", options->candidates, "write the candidates, one JSON line a frame");
   command->add_option("--video", options->video, "write a video (.mp4) of candidates, saliency, segments, 2D IOR map");
   command->add_option("--frames-dir", options->frames_folder, "write the same pictures as PNG files to a folder");
+  command->add_flag("--view", options->view, "show the session in a browser while it grows, see saccade view");
   command->add_option("--range", options->range, "frames A:B:STEP of the input, B excluded");
   command->add_option("--poses", options->poses, "believe these poses instead of tracking: \"dataset\" or a TUM file");
   CLI::Option* config = command->add_option("--config", options->config, "YAML file with settings, see --print-config");

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   saccade::app::addResume(program);
   saccade::app::addInspect(program);
   saccade::app::addRender(program);
+  saccade::app::addView(program);
   saccade::app::addSaliency(program);
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);

@@ -40,6 +40,10 @@ saccade_require_library(avcodec libavcodec/avcodec.h avcodec libavcodec-dev)
 saccade_require_library(avutil libavutil/avutil.h avutil libavutil-dev)
 saccade_require_library(swscale libswscale/swscale.h swscale libswscale-dev)
 saccade_require(SQLiteCpp libsqlitecpp-dev)
+saccade_require_library(httplib httplib.h cpp-httplib libcpp-httplib-dev)
+saccade_require_library(ssl openssl/ssl.h ssl libssl-dev)
+saccade_require_library(zlib zlib.h z zlib1g-dev)
+saccade_require_library(brotli brotli/decode.h brotlidec libbrotli-dev)
 saccade_require(Boost libboost-dev)
 
 # .3Dscene files for MRPT's viewer: on where MRPT is found.
