@@ -9,6 +9,7 @@ void addExplore(CLI::App& program);
 void addResume(CLI::App& program);
 void addInspect(CLI::App& program);
 void addRender(CLI::App& program);
+void addReport(CLI::App& program);
 void addSaliency(CLI::App& program);
 void addSimulate(CLI::App& program);
 void addEvaluate(CLI::App& program);

@@ -92,7 +92,8 @@ SceneContent sceneOf(Exported& from, std::span<const MapPoint> points) {
   for (const FrameRecord& frame : from.session().frames()) {
     if (frame.T_WC) content.path.push_back(*frame.T_WC);
   }
-  for (const AttendedObject& object : findObjects(loadAttendLog(from.session()))) {
+  constexpr int kOften = 5;  // looks; boxes of all objects would hide the map
+  for (const AttendedObject& object : findObjects(loadAttendLog(from.session()), kOften)) {
     const Eigen::AlignedBox3d box = boxOf(leavesOf(object, from.map()), from.map().config().leaf_size_m);
     if (!box.isEmpty()) content.object_boxes.push_back(box);
   }

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "saccade/inspection/session_summary.hpp"
+#include "saccade/session/session_snapshot.hpp"
 #include "terminal.hpp"
 
 namespace saccade::app {
@@ -129,6 +130,7 @@ void addInspect(CLI::App& program) {
   command->callback([target, command] {
     if (!command->get_subcommands().empty()) return;  // the question was answered
     const SessionReader session(target->session);
+    const SessionSnapshot still(session);
     const std::vector<FrameRecord> frames = session.frames();
     const SessionSummary summary = summarise(session, frames);
     target->json ? printJson(summary) : printText(summary, frames, target->session);

@@ -17,6 +17,7 @@
 #include "saccade/inspection/map_slice.hpp"
 #include "saccade/objects/object_memory.hpp"
 #include "saccade/session/session_map.hpp"
+#include "saccade/session/session_snapshot.hpp"
 #include "terminal.hpp"
 
 namespace saccade::app {
@@ -63,6 +64,7 @@ PointAnswer ask(const std::string& path, const std::vector<double>& point) {
   PointAnswer answer;
   answer.p_W = Eigen::Vector3d(point[0], point[1], point[2]);
   const SessionReader session(path);
+  const SessionSnapshot still(session);
   const IorMap map = loadMap(session);
   answer.leaf_size_m = map.config().leaf_size_m;
   const std::optional<LeafKey> key = answer.p_W.allFinite() ? map.keyAt(answer.p_W) : std::nullopt;

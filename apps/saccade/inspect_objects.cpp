@@ -14,6 +14,7 @@
 #include "saccade/objects/object_history.hpp"
 #include "saccade/objects/object_memory.hpp"
 #include "saccade/session/session_map.hpp"
+#include "saccade/session/session_snapshot.hpp"
 #include "terminal.hpp"
 
 namespace saccade::app {
@@ -24,9 +25,14 @@ using Json = nlohmann::ordered_json;
 /// A session's objects with the map they lie in.
 struct Objects {
   explicit Objects(const std::string& path, int least_looks)
-      : session(path), map(loadMap(session)), log(loadAttendLog(session)), all(findObjects(log, least_looks)) {}
+      : session(path),
+        still(session),
+        map(loadMap(session)),
+        log(loadAttendLog(session)),
+        all(findObjects(log, least_looks)) {}
 
   SessionReader session;
+  SessionSnapshot still;
   IorMap map;
   AttendLog log;
   std::vector<AttendedObject> all;

@@ -8,6 +8,7 @@
 #include "inspect.hpp"
 #include "saccade/inspection/timeline.hpp"
 #include "saccade/session/session_map.hpp"
+#include "saccade/session/session_snapshot.hpp"
 #include "terminal.hpp"
 
 namespace saccade::app {
@@ -58,6 +59,7 @@ void addInspectTimeline(CLI::App& inspect, const std::shared_ptr<InspectTarget>&
   timeline->fallthrough();
   timeline->callback([target] {
     const SessionReader session(target->session);
+    const SessionSnapshot still(session);
     const std::vector<TimelineEntry> entries = timelineOf(session, loadAttendLog(session));
     target->json ? printJson(entries) : printText(entries);
   });

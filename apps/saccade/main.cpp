@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.hpp"
+#include "examples.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/version.hpp"
 
@@ -22,15 +23,18 @@ int main(int argc, char** argv) {
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   CLI::App program{
       "Saccade explores a scene through an RGB-D camera the way an eye does: it tracks the camera, maps the\n"
-      "scene, proposes objects, and remembers in the map what it has attended, so that it looks elsewhere next."};
+      "scene, proposes objects, and remembers in the map what it has attended, so that it looks elsewhere next.",
+      "saccade"};
   program.set_version_flag("--version", std::string("saccade ") + saccade::kVersion);
   program.require_subcommand(1);
+  program.option_defaults()->always_capture_default();
   program.get_formatter()->column_width(34);
   saccade::app::addExplore(program);
   saccade::app::addResume(program);
   saccade::app::addInspect(program);
   saccade::app::addRender(program);
   saccade::app::addView(program);
+  saccade::app::addReport(program);
   saccade::app::addSaliency(program);
   saccade::app::addSimulate(program);
   saccade::app::addEvaluate(program);
@@ -43,6 +47,12 @@ int main(int argc, char** argv) {
   saccade::app::addDiff(program);
   saccade::app::addMerge(program);
   saccade::app::addRecord(program);
+  saccade::app::addExamples(program);
+  saccade::app::hideEmptyDefaults(program);
+  program.footer(
+      "saccade COMMAND --help says more of each. Begin with:\n"
+      "  saccade explore FOLDER -o my.saccade\n"
+      "  saccade inspect my.saccade");
   try {
     program.parse(argc, argv);
     return kDone;

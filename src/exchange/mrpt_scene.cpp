@@ -61,7 +61,7 @@ void writeMrptScene(const SceneContent& content, const std::filesystem::path& pa
   scene.insert(mrpt::opengl::stock_objects::CornerXYZSimple(kAxesLength_m));
   for (const Eigen::AlignedBox3d& box : content.object_boxes) {
     auto wires = mrpt::opengl::CBox::Create(pointOf(box.min()), pointOf(box.max()), true);
-    wires->setColor_u8(0, 220, 90);
+    wires->setBoxBorderColor(mrpt::img::TColor(0, 220, 90));  // of a wireframe too
     scene.insert(wires);
   }
   if (!scene.saveToFile(path.string())) throw IoError(path, "room for the whole scene", "a full or failing disk");
