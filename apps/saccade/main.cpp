@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
   saccade::app::addDiff(program);
   saccade::app::addMerge(program);
   saccade::app::addRecord(program);
+  saccade::app::addPreflight(program);
   try {
     program.parse(argc, argv);
     return kDone;
