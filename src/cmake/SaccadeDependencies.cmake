@@ -81,9 +81,7 @@ if(SACCADE_OPENNI2_INCLUDE_DIR AND SACCADE_OPENNI2_LIBRARY)
 else()
   set(saccade_openni2_found OFF)
 endif()
-# Off unless asked for: OpenNI2 keeps a list of every thread that called it and asks with pthread_kill whether each still
-# lives, which ends the program once one of them is gone. See src/sources/lasting_thread.hpp.
-option(SACCADE_WITH_OPENNI2 "Read OpenNI2 cameras, read and write .oni (libopenni2-dev)" OFF)
+option(SACCADE_WITH_OPENNI2 "Read OpenNI2 cameras, read and write .oni (libopenni2-dev)" ${saccade_openni2_found})
 if(SACCADE_WITH_OPENNI2 AND NOT TARGET saccade_dependency::openni2)
   if(NOT saccade_openni2_found)
     message(FATAL_ERROR "Saccade needs OpenNI.h and libOpenNI2: install the Debian package libopenni2-dev.")
