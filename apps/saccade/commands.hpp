@@ -23,5 +23,6 @@ void addForget(CLI::App& program);
 void addDiff(CLI::App& program);
 void addMerge(CLI::App& program);
 void addRecord(CLI::App& program);
+void addPreflight(CLI::App& program);
 
 }  // namespace saccade::app

@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   saccade::app::addDiff(program);
   saccade::app::addMerge(program);
   saccade::app::addRecord(program);
+  saccade::app::addPreflight(program);
   saccade::app::addExamples(program);
   saccade::app::hideEmptyDefaults(program);
   program.footer(

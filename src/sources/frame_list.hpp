@@ -75,8 +75,8 @@ struct FrameList {
 [[nodiscard]] bool looksLikePlainFolder(const std::filesystem::path& folder);
 [[nodiscard]] FrameList listPlainFolder(const std::filesystem::path& folder);
 
-/// The frames of a folder in the first layout above that it looks like. Throws IoError that says what was looked for and
-/// what was found.
+/// The frames of a folder in the first layout above that it looks like. Throws IoError that says what was looked for
+/// and what was found.
 [[nodiscard]] FrameList listFolder(const std::filesystem::path& folder);
 
 /// The folder's own `camera.yaml`, if it has one.

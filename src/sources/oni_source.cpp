@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,7 +19,7 @@ namespace saccade {
 namespace {
 
 // The player reads on while it waits; a file that gives nothing for so long is cut off.
-constexpr int kPatience_ms = 3000;
+constexpr std::chrono::milliseconds kPatience(3000);
 
 class OniSource final : public SensorSource {
  public:
@@ -44,8 +45,9 @@ class OniSource final : public SensorSource {
     if (streams_.color.start() != openni::STATUS_OK || streams_.depth.start() != openni::STATUS_OK) {
       throw IoError(path, "streams that can be started", openNi2Error());
     }
-    if (!streams_.awaitFrame(std::chrono::milliseconds(kPatience_ms))) {
-      throw IoError(path, "frames", fmt::format("none within {} s", kPatience_ms / 1000));
+    std::size_t ignored = 0;
+    if (streams_.awaitFrame({&streams_.color, &streams_.depth}, kPatience, ignored) != openni::STATUS_OK) {
+      throw IoError(path, "frames", fmt::format("none within {} s", kPatience.count() / 1000));
     }
   }
 
@@ -55,6 +57,13 @@ class OniSource final : public SensorSource {
   [[nodiscard]] SourceProgress progress() const override { return {0, end_reason_}; }
 
   [[nodiscard]] ReadStatus read(SensorFrame& frame) override {
+    ReadStatus status = ReadStatus::kEnd;
+    lasting_.run([&] { status = readNext(frame); });
+    return status;
+  }
+
+ private:
+  [[nodiscard]] ReadStatus readNext(SensorFrame& frame) {
     while (!cursor_.passed()) {
       auto pair = pairer_.next();
       while (!pair && advance()) pair = pairer_.next();
@@ -71,7 +80,6 @@ class OniSource final : public SensorSource {
     return ReadStatus::kEnd;
   }
 
- private:
   enum Place { kColor, kDepth, kPlaces };
 
   /// The player opens no recording that is cut off, and does not say why.
@@ -125,21 +133,21 @@ class OniSource final : public SensorSource {
   /// Hands the next frame of either stream on; false at the end.
   bool advance() {
     if (ended_) return false;
-    std::array<openni::VideoStream*, kPlaces> waiting{};
-    int count = 0;
-    if (unread_[kColor] > 0) waiting[static_cast<std::size_t>(count++)] = &streams_.color;
-    if (unread_[kDepth] > 0) waiting[static_cast<std::size_t>(count++)] = &streams_.depth;
-    int ready = -1;
-    if (count == 0 ||
-        openni::OpenNI::waitForAnyStream(waiting.data(), count, &ready, kPatience_ms) != openni::STATUS_OK) {
-      if (count > 0) return giveUp(fmt::format("no frame within {} s", kPatience_ms / 1000));
+    std::vector<openni::VideoStream*> waiting;
+    if (unread_[kColor] > 0) waiting.push_back(&streams_.color);
+    if (unread_[kDepth] > 0) waiting.push_back(&streams_.depth);
+    if (waiting.empty()) {
       ended_ = true;
       pairer_.end();
       return true;
     }
-    openni::VideoStream& stream = *waiting[static_cast<std::size_t>(ready)];
+    std::size_t ready = 0;
+    if (streams_.awaitFrame(waiting, kPatience, ready) != openni::STATUS_OK) {
+      return giveUp(fmt::format("no frame within {} s", kPatience.count() / 1000));
+    }
+    openni::VideoStream& stream = *waiting[ready];
     openni::VideoFrameRef frame;
-    if (stream.readFrame(&frame) != openni::STATUS_OK) return true;
+    if (streams_.readFrame(stream, frame) != openni::STATUS_OK) return true;
     const std::size_t place = &stream == &streams_.color ? kColor : kDepth;
     const std::int64_t first_us = place == kColor ? first_stamps_.color_us : first_stamps_.depth_us;
     const double stamp_s = secondsOf(first_us + static_cast<std::int64_t>(frame.getTimestamp()), kMicroseconds);
@@ -173,6 +181,7 @@ class OniSource final : public SensorSource {
   std::filesystem::path path_;
   OpenNi2Library library_;
   OpenNi2Streams streams_;
+  LastingThread lasting_;
   RangeCursor cursor_;
   StampPairer<cv::Mat3b, cv::Mat1w> pairer_;
   std::array<int, kPlaces> unread_{};

@@ -1,13 +1,11 @@
 #include "sources/openni2_library.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <mutex>
 #include <thread>
-#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -126,12 +124,23 @@ void OpenNi2Streams::close() {
   if (device.isValid()) device.close();
 }
 
-bool OpenNi2Streams::awaitFrame(std::chrono::milliseconds longest_wait) {
-  std::array<openni::VideoStream*, 2> both{&color, &depth};
-  int ready = -1;
-  has_played_ = openni::OpenNI::waitForAnyStream(both.data(), 2, &ready, static_cast<int>(longest_wait.count())) ==
-                openni::STATUS_OK;
-  return has_played_;
+openni::Status OpenNi2Streams::awaitFrame(std::vector<openni::VideoStream*> waiting,
+                                          std::chrono::milliseconds longest_wait, std::size_t& ready) {
+  int first = 0;
+  openni::Status status = openni::STATUS_ERROR;
+  waiting_.run([&] {
+    status = openni::OpenNI::waitForAnyStream(waiting.data(), static_cast<int>(waiting.size()), &first,
+                                              static_cast<int>(longest_wait.count()));
+  });
+  ready = static_cast<std::size_t>(first);
+  has_played_ |= status == openni::STATUS_OK;
+  return status;
+}
+
+openni::Status OpenNi2Streams::readFrame(openni::VideoStream& stream, openni::VideoFrameRef& frame) {
+  openni::Status status = openni::STATUS_ERROR;
+  waiting_.run([&] { status = stream.readFrame(&frame); });
+  return status;
 }
 
 double depthUnitsPerMetre(const openni::VideoStream& depth, const std::string& what) {
@@ -168,6 +177,10 @@ RgbdCalibration calibrationOf(const OpenNi2Streams& streams, const std::string& 
     remarks.emplace_back("the device does not say whether depth is registered to colour: it is taken to be");
   }
   return calibration;
+}
+
+bool numbersFromOne(const openni::Device& device) {
+  return device.isPropertySupported(virtual_camera::kCalibrationProperty);
 }
 
 void copyColor(const openni::VideoFrameRef& frame, cv::Mat3b& bgr) {

@@ -4,8 +4,10 @@
 #include <chrono>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "saccade/sources/camera_calibration.hpp"
+#include "sources/lasting_thread.hpp"
 
 namespace saccade {
 
@@ -35,10 +37,14 @@ struct OpenNi2Streams {
   /// Opens the device (`uri` null: the first) and both streams, does not start them. Throws IoError.
   void open(const char* uri, const std::string& what);
   void close();
-  /// Waits until a stream that was started has a frame; false after `longest_wait`.
-  [[nodiscard]] bool awaitFrame(std::chrono::milliseconds longest_wait);
+  /// Waits until one of `waiting` has a frame, and says which. STATUS_TIME_OUT after `longest_wait`.
+  [[nodiscard]] openni::Status awaitFrame(std::vector<openni::VideoStream*> waiting,
+                                          std::chrono::milliseconds longest_wait, std::size_t& ready);
+  /// Reads a frame that is known to be there.
+  [[nodiscard]] openni::Status readFrame(openni::VideoStream& stream, openni::VideoFrameRef& frame);
 
  private:
+  LastingThread waiting_;
   bool has_played_ = false;
 };
 
@@ -49,6 +55,9 @@ struct OpenNi2Streams {
 /// fields of view. A remark says what had to be assumed. Throws IoError if there is nothing to go by.
 [[nodiscard]] RgbdCalibration calibrationOf(const OpenNi2Streams& streams, const std::string& what,
                                             std::vector<std::string>& remarks);
+
+/// Whether the first frame that a device ever sends has the number 1, as the virtual camera's has.
+[[nodiscard]] bool numbersFromOne(const openni::Device& device);
 
 /// Pixels of a frame, without gaps between rows, as OpenCV has them.
 void copyColor(const openni::VideoFrameRef& frame, cv::Mat3b& bgr);

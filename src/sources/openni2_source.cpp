@@ -1,4 +1,3 @@
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -6,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -93,8 +93,13 @@ class PairQueue {
 /// for the event's lock for ever. Here a frame is only read once it is known to be there, by the only reader there is.
 class FrameCatcher {
  public:
-  FrameCatcher(OpenNi2Streams& streams, PairQueue& queue)
-      : streams_(streams), queue_(queue), thread_([this] { run(); }) {}
+  /// `last_index` is the number of the last colour frame, also of a camera that was away meanwhile; negative: not
+  /// known.
+  FrameCatcher(OpenNi2Streams& streams, PairQueue& queue, int& last_index)
+      : streams_(streams),
+        queue_(queue),
+        last_index_(last_index),
+        thread_([this] { lasting_.run([this] { run(); }); }) {}
   ~FrameCatcher() {
     stopping_ = true;
     thread_.join();
@@ -105,26 +110,26 @@ class FrameCatcher {
  private:
   /// Goes on until there is nothing left to take, so that the last frames of an unplugged camera are not lost.
   void run() {
-    constexpr int kLongestWait_ms = 50;  // what closing the camera may have to wait
+    constexpr std::chrono::milliseconds kLongestWait(50);  // what closing the camera may have to wait
     while (true) {
-      std::array<openni::VideoStream*, 2> both{&streams_.color, &streams_.depth};
-      int ready = -1;
+      const std::vector<openni::VideoStream*> both = {&streams_.color, &streams_.depth};
+      std::size_t ready = 0;
       const bool last_look = stopping_;
       const openni::Status status =
-          openni::OpenNI::waitForAnyStream(both.data(), 2, &ready, last_look ? 0 : kLongestWait_ms);
+          streams_.awaitFrame(both, last_look ? std::chrono::milliseconds(0) : kLongestWait, ready);
       if (status == openni::STATUS_OK) {
-        take(*both[static_cast<std::size_t>(ready)]);
+        take(*both[ready]);
       } else if (last_look) {
         return;
       } else if (status != openni::STATUS_TIME_OUT) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(kLongestWait_ms));  // not a busy wait on a broken device
+        std::this_thread::sleep_for(kLongestWait);  // not a busy wait on a broken device
       }
     }
   }
 
   void take(openni::VideoStream& stream) {
     openni::VideoFrameRef frame;
-    if (stream.readFrame(&frame) != openni::STATUS_OK || !frame.isValid()) return;
+    if (streams_.readFrame(stream, frame) != openni::STATUS_OK || !frame.isValid()) return;
     const double stamp_s = secondsOf(static_cast<std::int64_t>(frame.getTimestamp()), kMicroseconds);
     if (&stream == &streams_.depth) {
       cv::Mat1w depth;
@@ -133,7 +138,7 @@ class FrameCatcher {
       return;
     }
     const int index = frame.getFrameIndex();
-    if (last_index_ > 0 && index > last_index_ + 1) queue_.countLost(index - last_index_ - 1);
+    if (last_index_ >= 0 && index > last_index_ + 1) queue_.countLost(index - last_index_ - 1);
     last_index_ = index;
     cv::Mat3b color;
     copyColor(frame, color);
@@ -142,8 +147,9 @@ class FrameCatcher {
 
   OpenNi2Streams& streams_;
   PairQueue& queue_;
-  int last_index_ = 0;
+  int& last_index_;
   std::atomic<bool> stopping_{false};
+  LastingThread lasting_;
   std::thread thread_;  // last: it uses the others
 };
 
@@ -194,6 +200,7 @@ class OpenNi2Source final : public SensorSource {
       calibration_ = calibrationOf(streams_, description_.location, description_.remarks);
     }
     calibration_.depth_units_per_metre = depthUnitsPerMetre(streams_.depth, description_.location);
+    if (numbersFromOne(streams_.device)) last_color_index_ = 0;
     describe();
     plug_.emplace(uri_, queue_);
     start();
@@ -241,7 +248,7 @@ class OpenNi2Source final : public SensorSource {
     if (streams_.depth.start() != openni::STATUS_OK || streams_.color.start() != openni::STATUS_OK) {
       throw IoError(description_.location, "streams that can be started", openNi2Error());
     }
-    catcher_.emplace(streams_, queue_);
+    catcher_.emplace(streams_, queue_, last_color_index_);
   }
 
   void stop() {
@@ -259,7 +266,7 @@ class OpenNi2Source final : public SensorSource {
         return ReadStatus::kSkip;
       }
       unplugged_since_ = now;
-      stop();
+      lasting_.run([this] { stop(); });
       skip_reason_ = fmt::format("{}: the camera was unplugged; waiting up to {} s for it to come back",
                                  description_.location, kReplugTime.count());
       return ReadStatus::kSkip;
@@ -269,17 +276,23 @@ class OpenNi2Source final : public SensorSource {
                                 kReplugTime.count());
       return ReadStatus::kEnd;
     }
-    if (plug_->plugged()) return reopen();
+    if (plug_->plugged()) return reopened();
     // Not a busy wait, and not so long that a Ctrl-C goes unheard.
     for (const Clock::time_point until = now + kLongestWait; !plug_->plugged() && Clock::now() < until;) {
       std::this_thread::sleep_for(kLookInterval);
     }
-    if (plug_->plugged()) return reopen();
+    if (plug_->plugged()) return reopened();
     skip_reason_ = description_.location + ": still unplugged";
     return ReadStatus::kSkip;
   }
 
-  ReadStatus reopen() {
+  ReadStatus reopened() {
+    lasting_.run([this] { reopen(); });
+    return ReadStatus::kSkip;
+  }
+
+  /// Opens the camera again; `skip_reason_` tells how that went.
+  void reopen() {
     try {
       streams_.open(uri_.c_str(), description_.location);
       start();
@@ -289,7 +302,6 @@ class OpenNi2Source final : public SensorSource {
       stop();
       skip_reason_ = error.what();
     }
-    return ReadStatus::kSkip;
   }
 
   OpenNi2Library library_;
@@ -298,6 +310,8 @@ class OpenNi2Source final : public SensorSource {
   RangeCursor cursor_;
   std::optional<PlugListener> plug_;
   OpenNi2Streams streams_;
+  LastingThread lasting_;
+  int last_color_index_ = -1;
   std::optional<FrameCatcher> catcher_;
   std::optional<Clock::time_point> unplugged_since_;
   std::string skip_reason_, end_reason_;

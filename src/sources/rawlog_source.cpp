@@ -173,9 +173,10 @@ class RawlogSource final : public SensorSource {
       }
     }
     if (!(calibration_.depth_units_per_metre > 0)) {
-      // The float nearest to 1/1000 means 1000.
-      constexpr double kDigits = 1e4;
-      calibration_.depth_units_per_metre = std::round(kDigits / static_cast<double>(scan.rangeUnits)) / kDigits;
+      // A float has some 7 digits: the one nearest to 1/10000 means 10000.
+      const double units = 1.0 / static_cast<double>(scan.rangeUnits);
+      const double unit_of_sixth_digit = std::pow(10.0, std::floor(std::log10(units)) - 5.0);
+      calibration_.depth_units_per_metre = std::round(units / unit_of_sixth_digit) * unit_of_sixth_digit;
       description_.depth_scale_origin = "the rawlog's rangeUnits";
     } else {
       description_.depth_scale_origin = calibration_.origin;

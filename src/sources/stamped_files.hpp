@@ -14,8 +14,8 @@ struct StampedFile {
 /// The furthest that the stamps of a colour and a depth image of one frame may lie apart.
 inline constexpr double kSamePairStamps_s = 0.02;
 
-/// Reads a TUM list (`stamp file` a line, # for comments), by rising stamp. Throws IoError, with the line where there is
-/// one, also if the list is empty.
+/// Reads a TUM list (`stamp file` a line, # for comments), by rising stamp. Throws IoError, with the line where there
+/// is one, also if the list is empty.
 [[nodiscard]] std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list);
 
 [[nodiscard]] std::vector<double> stampsOf(const std::vector<StampedFile>& files);

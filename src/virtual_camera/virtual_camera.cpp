@@ -158,7 +158,9 @@ void VirtualCamera::play() {
   const VirtualCameraRequest& request = input_->request;
   const bool replugged = request.unplug_after && input_->sent >= *request.unplug_after;
   std::optional<double> first_stamp_s;
-  Clock::time_point start = Clock::now();
+  // OpenNI2 drops what comes before its own start() has returned, and a real camera takes its time too.
+  constexpr std::chrono::milliseconds kWarmUp(100);
+  const Clock::time_point start = Clock::now() + kWarmUp;
   SensorFrame frame;
   while (true) {
     if (!replugged && request.unplug_after && input_->sent >= *request.unplug_after) return unplug_();

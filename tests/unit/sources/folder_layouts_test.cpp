@@ -40,7 +40,7 @@ TEST(SevenScenesFolder, GivesFramesWithStampsFromTheirNumbersAndDepthInMetres) {
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[1].name, "frame-000011");
   EXPECT_EQ(frames[1].index, FrameIndex{1});
-  EXPECT_DOUBLE_EQ(frames[1].stamp_s, 11.0 / 30.0);
+  EXPECT_EQ(frames[1].stamp_s, 0.366667) << "11 / 30 s in whole microseconds";
   EXPECT_EQ(cv::norm(frames[1].color, tinyColor(1), cv::NORM_INF), 0.0);
   EXPECT_NEAR(frames[1].depth_m(5, 6), 1e-3f * (1100 + 12 + 5), kDepthRounding_m);
   EXPECT_EQ(frames[1].depth_m(0, 0), 0.0f);

@@ -208,6 +208,45 @@ TEST(Recording, AChainThroughEveryContainerGivesTheVerySameFrames) {
   }
 }
 
+TEST(Recording, AnOniFileThatCannotKeepTheLastPixelOfDepthChangesThatOneOnlyAndSaysSo) {
+  const TinyFolder folder, place;
+  writeSensor(folder);
+  cv::Mat1w depth = test::tinyDepth(900);
+  depth.row(depth.rows - 1).setTo(2000);
+  depth(depth.rows - 1, depth.cols - 1) = 1999;
+  folder.write("d/0.png", depth);
+  std::vector<std::string> losses;
+  try {
+    losses = record(folder.path(), place / "a.oni", "tum");
+  } catch (const IoError& error) {
+    if (error.found() == "one built without") GTEST_SKIP() << error.what();
+    throw;
+  }
+  ASSERT_FALSE(losses.empty());
+  EXPECT_NE(losses.front().find("the last pixel of depth in 1 frames"), std::string::npos) << losses.front();
+  SensorFrame frame;
+  ASSERT_EQ(openSensorSource((place / "a.oni").string())->read(frame), ReadStatus::kFrame);
+  depth(depth.rows - 1, depth.cols - 1) = 2000;
+  EXPECT_TRUE(sameMeasurements(depth, frame, 1000.0));
+}
+
+TEST(Recording, ARawlogKeepsEveryUnitOfDepthInUse) {
+  for (const char* units : {"1000", "5000", "6553.5", "10000", "256"}) {
+    const TinyFolder folder, place;
+    std::string yaml = kCameraYaml;
+    yaml.replace(yaml.find("units_per_metre: 1000"), 21, std::string("units_per_metre: ") + units);
+    writeSensor(folder, yaml);
+    try {
+      record(folder.path(), place / "a.rawlog", "tum");
+    } catch (const IoError& error) {
+      if (error.found() == "one built without") GTEST_SKIP() << error.what();
+      throw;
+    }
+    EXPECT_DOUBLE_EQ(openSensorSource((place / "a.rawlog").string())->calibration().depth_units_per_metre,
+                     std::stod(units));
+  }
+}
+
 TEST(Recording, CutOffFilesGiveTheFramesBeforeTheCutAndSaySo) {
   const TinyFolder folder;
   writeSensor(folder);
