@@ -18,6 +18,10 @@ const std::map<std::string, std::string>& examples() {
        "  saccade render my.saccade -o all.png\n"
        "  saccade render my.saccade -o seen.png --frame 120 --layer flag\n"
        "  saccade render my.saccade -o round.mp4 --turntable --size 1280x720"},
+      {"view",
+       "  saccade view my.saccade\n"
+       "  saccade view monday.saccade friday.saccade"},
+      {"preflight", "  saccade preflight FOLDER"},
       {"saliency", "  saccade saliency photo.jpg -o photo-saliency.png"},
       {"simulate", "  saccade simulate desk -o desk --seed 2 --frames 60"},
       {"evaluate",
