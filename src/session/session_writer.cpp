@@ -245,9 +245,11 @@ void SessionWriter::keepToLimit() {
   const std::uint64_t taken = std::max(usedBytes(), committed_bytes_) - committed_bytes_;
   // Two more commits come once it is full: one that is being filled, and the last. And a share for the objects.
   const std::uint64_t reserve = 2 * taken + size_limit_ / 16;
+  bool fits = false;
   do {
-    full_ = usedBytes() + reserve > size_limit_;
-  } while (full_ && thinKeyframes());
+    fits = usedBytes() + reserve <= size_limit_;
+  } while (!fits && thinKeyframes());
+  full_ = full_ || !fits;
   committed_bytes_ = usedBytes();
 }
 

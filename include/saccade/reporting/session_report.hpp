@@ -18,8 +18,8 @@ constexpr std::size_t kLargestReport_bytes = 20'000'000;
 /// turned around, and all settings. `truth` (TUM format) adds the true path and the trajectory error. A session without
 /// key frames (an older format, or an imported map) shows renderings of the map in their place.
 ///
-/// Same session, same bytes; a session that is still being explored is shown as one moment of it. Throws IoError if the session is damaged, `truth` cannot be read or has no pose near a
-/// frame's stamp, or gnuplot is missing.
+/// Same session, same bytes; a session that is still being explored is shown as one moment of it. Throws IoError if the
+/// session is damaged, `truth` cannot be read or has no pose near a frame's stamp, or gnuplot is missing.
 [[nodiscard]] std::string makeSessionReport(const SessionReader& session,
                                             const std::optional<std::filesystem::path>& truth = std::nullopt);
 

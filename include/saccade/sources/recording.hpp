@@ -21,8 +21,8 @@ enum class RecordingKind { kTumFolder, kSevenScenesFolder, kRawlog, kBag, kOni }
 ///
 /// A recording that ends before finish() is never passed off as whole: files get their name in finish() only (until
 /// then they are `NAME.partial`), a folder's lists name only images that were written in full. Folders keep stamps as
-/// they are, bags to 1 ns, rawlogs to 100 ns, .oni to 1 us, which is what exploring takes. Every function throws IoError where something cannot be
-/// written, a full disk included.
+/// they are, bags to 1 ns, rawlogs to 100 ns, .oni to 1 us, which is what exploring takes. Every function throws
+/// IoError where something cannot be written, a full disk included.
 class RecordingWriter {
  public:
   virtual ~RecordingWriter() = default;
