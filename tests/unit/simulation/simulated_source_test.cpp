@@ -90,7 +90,7 @@ TEST(SimulatedSource, DescribesItself) {
   RgbdFrame frame;
   ASSERT_EQ(source->read(frame), ReadStatus::kFrame);
   EXPECT_EQ(frame.name, "desk-000010");
-  EXPECT_DOUBLE_EQ(frame.stamp_s, 10 / 30.0);
+  EXPECT_DOUBLE_EQ(frame.stamp_s, 0.333333);  // whole microseconds
   int frames = 1;
   while (source->read(frame) == ReadStatus::kFrame) ++frames;
   EXPECT_EQ(frames, 5);
