@@ -223,6 +223,11 @@ void SessionWriter::finish(const SessionMetadata& metadata) {
   lock_.reset();
 }
 
+void SessionWriter::limitSize(std::uint64_t bytes) {
+  size_limit_ = bytes;
+  committed_bytes_ = database_->use("a session that can be read", [&] { return usedBytes(); });
+}
+
 /// Bytes of the file that hold something; what was freed is used again.
 std::uint64_t SessionWriter::usedBytes() const {
   const auto number = [&](const char* pragma) {

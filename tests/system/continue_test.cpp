@@ -156,6 +156,20 @@ TEST(MaxSessionSize, ThinsKeyframeImagesThenEndsWithAllThatWasExplored) {
   EXPECT_LT(with_images, static_cast<int>(keyframes.size()));
 }
 
+TEST(MaxSessionSize, CountsOnlyWhatIsAddedToASessionThatIsGoneOnWith) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "s.saccade";
+  ASSERT_EQ(runSaccade({"explore", "sim:desk", "--range", ":10", "-o", path}).exit_code, 0);
+  const double held_MiB = static_cast<double>(std::filesystem::file_size(path)) / 1048576.0;
+  // Half as much again as it holds: room for a few frames more, but not for all of it twice over.
+  const ProgramRun run =
+      runSaccade({"explore", "--continue", path, "sim:desk", "--range", "10:14", "--checkpoint-interval", "0",
+                  "--max-session-size", std::to_string(1.5 * held_MiB + 2.0)});
+  EXPECT_EQ(run.exit_code, 0) << run.talk;
+  EXPECT_EQ(SessionReader(path).frames().size(), 14U) << run.talk;
+  EXPECT_EQ(SessionReader(path).metadata().state, SessionState::kComplete);
+}
+
 TEST(MapMemory, NeedsASessionToPageTo) {
   const ProgramRun run = runSaccade({"explore", "sim:desk", "--range", ":1", "--map-memory", "100"});
   EXPECT_EQ(run.exit_code, 2);

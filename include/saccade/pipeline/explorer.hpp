@@ -54,7 +54,8 @@ class Explorer {
 
   /// Goes on from `memory` instead of from nothing.
   void restore(ExplorerMemory memory);
-  /// Asks `pager` for what it is about to look at; it must outlive the explorer. Null: the whole map is in memory.
+  /// From now on asks `pager` for what it is about to look at; it must live until another call. Null: the whole map is
+  /// in memory.
   void pageBy(MapPager* pager);
 
   /// Where the frame was taken, by the keyframes and the surface alone; none if that is not certain. Edits nothing.

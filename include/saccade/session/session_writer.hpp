@@ -47,7 +47,7 @@ class SessionWriter {
   void addRun(const RunRecord& run);
   /// The file is to take at most `bytes`. Where a commit would come near that, images of keyframes are left out, every
   /// second one first. A commit is reckoned to need as much room as the one before it.
-  void limitSize(std::uint64_t bytes) { size_limit_ = bytes; }
+  void limitSize(std::uint64_t bytes);
   /// Whether the next commits would not fit into the limit: time to finish().
   [[nodiscard]] bool full() const { return full_; }
   /// Adds a frame as the next one, or under its own ordinal if that is later, and returns which it is.
