@@ -1,5 +1,4 @@
 #include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -25,7 +24,7 @@
 #include "saccade/sources/frame_source.hpp"
 #include "saccade/sources/given_poses.hpp"
 #include "saccade/sources/read_ahead.hpp"
-#include "saccade/version.hpp"
+#include "session_run.hpp"
 #include "source_talk.hpp"
 #include "terminal.hpp"
 
@@ -102,15 +101,6 @@ double peakMemoryMiB() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-std::string utcNow() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text;
-}
-
 void printTotals(const RunTotals& totals, const Explorer& explorer, double elapsed_s) {
   const double frames = std::max<double>(1.0, static_cast<double>(totals.frames));
   std::cerr << fmt::format("{} frames in {:.1f} s ({:.1f} frames/s): {} tracked, {} weak, {} lost, {} skipped\n",
@@ -154,11 +144,7 @@ std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, Explor
   std::vector<std::unique_ptr<FrameSink>> sinks;
   if (!options.session.empty()) {
     const auto when_exists = options.force ? WhenSessionExists::kReplace : WhenSessionExists::kRefuse;
-    RunRecord run;
-    run.input = options.input;
-    run.input_kind = description.kind;
-    run.started_utc = utcNow();
-    run.saccade_version = kVersion;
+    const RunRecord run = runFrom(options.input, description);
     auto writer =
         continued ? std::move(continued->writer) : std::make_unique<SessionWriter>(options.session, when_exists);
     auto sink = std::make_unique<SessionSink>(std::move(writer), explorer, outliner, run,
@@ -226,14 +212,7 @@ FrameRange effectiveRange(const Options& options, const std::optional<ContinuedS
 }
 
 void goOn(const ContinuedSession& continued, Explorer& explorer, bool without_map) {
-  const PinholeCamera& expected = continued.reader.metadata().camera;
-  const PinholeCamera& found = explorer.camera();
-  const auto text = [](const PinholeCamera& c) {
-    return fmt::format("{} x {} px, f {:.3f} {:.3f}, c {:.3f} {:.3f}", c.width, c.height, c.fx, c.fy, c.cx, c.cy);
-  };
-  if (!(expected == found)) {
-    throw IoError(continued.reader.path(), "an input of the session's camera (" + text(expected) + ")", text(found));
-  }
+  requireCamera(continued.reader, explorer.camera());
   explorer.restore(without_map ? loadMemoryWithoutMap(continued.reader) : loadMemory(continued.reader));
 }
 

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <deque>
 #include <filesystem>
 #include <iostream>
@@ -24,7 +23,7 @@
 #include "saccade/session/session_sink.hpp"
 #include "saccade/sources/frame_source.hpp"
 #include "saccade/sources/read_ahead.hpp"
-#include "saccade/version.hpp"
+#include "session_run.hpp"
 #include "source_talk.hpp"
 #include "terminal.hpp"
 
@@ -52,15 +51,6 @@ struct Counts {
                                                         : lost) += 1;
   }
 };
-
-std::string utcNow() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text;
-}
 
 std::string absolute(const std::string& path) {
   return std::filesystem::absolute(path).lexically_normal().string();
@@ -129,24 +119,11 @@ void explore(const Options& options, Explorer& explorer, std::unique_ptr<Session
 std::unique_ptr<SessionSink> makeSink(const Options& options, std::unique_ptr<SessionWriter> writer, Explorer& explorer,
                                       const SourceDescription& description, std::int64_t range_step,
                                       const SessionMetadata* before) {
-  RunRecord run;
-  run.input = options.input;
-  run.input_kind = description.kind;
-  run.started_utc = utcNow();
-  run.saccade_version = kVersion;
+  const RunRecord run = runFrom(options.input, description);
   const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_camera));
   auto sink = std::make_unique<SessionSink>(std::move(writer), explorer, outliner, run, before);
   sink->noteRangeStep(range_step);
   return sink;
-}
-
-void requireCamera(const SessionReader& session, const PinholeCamera& found) {
-  const auto text = [](const PinholeCamera& c) {
-    return fmt::format("{} x {} px, f {:.3f} {:.3f}, c {:.3f} {:.3f}", c.width, c.height, c.fx, c.fy, c.cx, c.cy);
-  };
-  const PinholeCamera& expected = session.metadata().camera;
-  if (expected == found) return;
-  throw IoError(session.path(), "an input of the session's camera (" + text(expected) + ")", text(found));
 }
 
 FrameOrdinal nextOrdinal(const SessionReader& session) {

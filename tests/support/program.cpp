@@ -3,23 +3,17 @@
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <stdexcept>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 
+#include "support/file_bytes.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace saccade::test {
 namespace {
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 [[noreturn]] void becomeSaccade(const std::vector<std::string>& arguments, const std::string& output,
                                 const std::string& talk) {

@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <random>
 
@@ -9,6 +8,7 @@
 #include "saccade/session/session_map.hpp"
 #include "saccade/session/session_reader.hpp"
 #include "saccade/session/session_repair.hpp"
+#include "support/file_bytes.hpp"
 #include "support/program.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -16,13 +16,9 @@ namespace saccade {
 namespace {
 
 using test::ProgramRun;
+using test::readFile;
 using test::runSaccade;
 using test::TemporaryFolder;
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::map<std::uint64_t, std::string> blobsOf(const SessionReader& session, BlobTable table) {
   std::map<std::uint64_t, std::string> blobs;

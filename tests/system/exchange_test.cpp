@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -15,6 +13,7 @@
 #include "saccade/discovery/coco_rle.hpp"
 #include "saccade/exchange/mrpt_scene.hpp"
 #include "saccade/session/session_map.hpp"
+#include "support/file_bytes.hpp"
 #include "support/program.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools.hpp"
@@ -24,14 +23,10 @@ namespace {
 
 using test::hasTool;
 using test::ProgramRun;
+using test::readFile;
 using test::runSaccade;
 using test::succeeds;
 using test::TemporaryFolder;
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// The small sessions that lie in the project: a desk, and the same after an object was moved.
 const std::string kBefore = SACCADE_SOURCE_DIR "/maps/desk_before.saccade";

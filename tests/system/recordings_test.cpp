@@ -1,11 +1,10 @@
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "support/file_bytes.hpp"
 #include "support/program.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -13,13 +12,9 @@ namespace saccade {
 namespace {
 
 using test::ProgramRun;
+using test::readFile;
 using test::runSaccade;
 using test::TemporaryFolder;
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// Trajectory and candidates of an input, byte for byte but for the names of frames, which not every recording keeps.
 struct Explored {

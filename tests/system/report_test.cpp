@@ -2,13 +2,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "saccade/reporting/session_report.hpp"
+#include "support/file_bytes.hpp"
 #include "support/program.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tools.hpp"
@@ -19,15 +19,11 @@ namespace {
 using test::hasTool;
 using test::killSaccade;
 using test::ProgramRun;
+using test::readFile;
 using test::runSaccade;
 using test::TemporaryFolder;
 
 const std::string kSession = std::string(SACCADE_SOURCE_DIR) + "/maps/desk_before.saccade";
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 bool isEmpty(const std::filesystem::path& folder) {
   return std::filesystem::directory_iterator(folder) == std::filesystem::directory_iterator();

@@ -1,6 +1,4 @@
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +7,7 @@
 #include "saccade/session/session_map.hpp"
 #include "saccade/session/session_reader.hpp"
 #include "saccade/sources/stamped_poses.hpp"
+#include "support/file_bytes.hpp"
 #include "support/program.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -16,13 +15,9 @@ namespace saccade {
 namespace {
 
 using test::ProgramRun;
+using test::readFile;
 using test::runSaccade;
 using test::TemporaryFolder;
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 bool says(const ProgramRun& run, const std::string& text) {
   return run.talk.find(text) != std::string::npos;

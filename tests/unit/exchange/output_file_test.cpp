@@ -1,24 +1,20 @@
 #include "saccade/exchange/output_file.hpp"
 
 #include <csignal>
-#include <iterator>
 #include <string>
 #include <sys/resource.h>
 
 #include <gtest/gtest.h>
 
 #include "saccade/core/errors.hpp"
+#include "support/file_bytes.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace saccade {
 namespace {
 
+using test::readFile;
 using test::TemporaryFolder;
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 TEST(OutputFile, AppearsWholeAndOnlyWhenItIsFinished) {
   const TemporaryFolder folder;

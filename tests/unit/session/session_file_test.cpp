@@ -2,7 +2,6 @@
 #include <csignal>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <random>
 #include <sys/resource.h>
 
@@ -14,17 +13,14 @@
 #include "session/blob_codec.hpp"
 #include "session/keyframe_images.hpp"
 #include "session/session_database.hpp"
+#include "support/file_bytes.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace saccade {
 namespace {
 
+using test::readFile;
 using test::TemporaryFolder;
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 void writeFile(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
