@@ -31,7 +31,7 @@ struct Options {
 
 struct Side {
   explicit Side(const std::string& path)
-      : session(path), map(loadMap(session)), objects(findObjects(loadAttendLog(session))) {}
+      : session(path), map(loadMap(session)), objects(findObjects(session)) {}
 
   SessionReader session;
   IorMap map;

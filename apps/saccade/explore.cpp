@@ -119,7 +119,7 @@ void printTotals(const RunTotals& totals, const Explorer& explorer, double elaps
        fixed(static_cast<double>(explorer.map().memoryBytes()) / kMiB, 0) + " MiB"},
       {"surface volume", grouped(static_cast<std::int64_t>(explorer.surface().bricks().size())) + " bricks",
        fixed(static_cast<double>(explorer.surface().memoryBytes()) / kMiB, 0) + " MiB"},
-      {"attend log", grouped(explorer.map().now().value) + " ticks",
+      {"attended leaves", grouped(static_cast<std::int64_t>(explorer.attendLog().leafCount())),
        fixed(static_cast<double>(explorer.attendLog().memoryBytes()) / kMiB, 0) + " MiB"},
       {"peak memory", "", fixed(peakMemoryMiB(), 0) + " MiB"},
   });

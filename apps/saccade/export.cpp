@@ -93,7 +93,7 @@ SceneContent sceneOf(Exported& from, std::span<const MapPoint> points) {
     if (frame.T_WC) content.path.push_back(*frame.T_WC);
   }
   constexpr int kOften = 5;  // looks; boxes of all objects would hide the map
-  for (const AttendedObject& object : findObjects(loadAttendLog(from.session()), kOften)) {
+  for (const AttendedObject& object : findObjects(from.session(), kOften)) {
     const Eigen::AlignedBox3d box = boxOf(leavesOf(object, from.map()), from.map().config().leaf_size_m);
     if (!box.isEmpty()) content.object_boxes.push_back(box);
   }
@@ -130,7 +130,7 @@ void writeObjects(const Options& options, Exported& from, LeafPaint paint, WhenF
   std::filesystem::create_directories(folder, failure);
   if (failure) throw IoError(folder, "a folder that can be made", failure.message());
   int written = 0;
-  for (const AttendedObject& object : findObjects(loadAttendLog(from.session()))) {
+  for (const AttendedObject& object : findObjects(from.session())) {
     const auto within = [&](const MapLeaf& leaf) {
       return std::binary_search(object.blocks.begin(), object.blocks.end(), blockOf(leaf.key.corner));
     };

@@ -33,7 +33,7 @@ ForgetSelection selectionOf(const Options& options) {
     return ForgetSelection::box(box);
   }
   const SessionReader session(options.session);
-  const std::vector<AttendedObject> objects = findObjects(loadAttendLog(session), 1);
+  const std::vector<AttendedObject> objects = findObjects(session, 1);
   const auto object =
       std::find_if(objects.begin(), objects.end(), [&](const AttendedObject& o) { return o.id.value == options.id; });
   if (object == objects.end()) {

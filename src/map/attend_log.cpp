@@ -43,10 +43,11 @@ void AttendLog::visitCodes(const CandidateEntry& entry, const Visit& visit) cons
 }
 
 void AttendLog::record(const TickEvents& events, std::span<const CandidateLeaves> candidates) {
-  if (!ticks_.empty() && events.tick <= ticks_.back().events.tick) {
+  if (last_ && events.tick <= *last_) {
     throw std::invalid_argument("tick " + std::to_string(events.tick.value) + " is not later than the last, " +
-                                std::to_string(ticks_.back().events.tick.value));
+                                std::to_string(last_->value));
   }
+  last_ = events.tick;
   const auto begin = static_cast<std::uint32_t>(candidates_.size());
   for (const CandidateLeaves& candidate : candidates) {
     listCodes(candidate.leaves);
@@ -60,6 +61,27 @@ void AttendLog::record(const TickEvents& events, std::span<const CandidateLeaves
     noteFirst(events.tick);
   }
   ticks_.push_back({events, begin, static_cast<std::uint32_t>(candidates_.size())});
+}
+
+void AttendLog::letGo(std::size_t count) {
+  if (count > tickCount()) {
+    throw std::invalid_argument("cannot let go of " + std::to_string(count) + " ticks of " +
+                                std::to_string(tickCount()));
+  }
+  if (count <= let_go_) return;
+  const auto gone = static_cast<std::ptrdiff_t>(count - let_go_);
+  const std::uint32_t gone_candidates = ticks_[static_cast<std::size_t>(gone - 1)].end;
+  const std::uint64_t gone_bytes =
+      gone_candidates < candidates_.size() ? candidates_[gone_candidates].begin : bytes_.size();
+  ticks_.erase(ticks_.begin(), ticks_.begin() + gone);
+  candidates_.erase(candidates_.begin(), candidates_.begin() + gone_candidates);
+  bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(gone_bytes));
+  for (TickEntry& tick : ticks_) {
+    tick.begin -= gone_candidates;
+    tick.end -= gone_candidates;
+  }
+  for (CandidateEntry& candidate : candidates_) candidate.begin -= gone_bytes;
+  let_go_ = count;
 }
 
 /// Makes codes_ of the leaves: sorted, each once.
@@ -110,12 +132,12 @@ std::vector<AttendedBy> AttendLog::attentionsOf(LeafKey leaf) const {
 }
 
 int AttendLog::rank(std::size_t i, std::size_t candidate) const {
-  return candidates_[ticks_[i].begin + candidate].rank;
+  return candidates_[entry(i).begin + candidate].rank;
 }
 
 std::vector<LeafKey> AttendLog::leaves(std::size_t i, std::size_t candidate) const {
   std::vector<LeafKey> keys;
-  visitCodes(candidates_[ticks_[i].begin + candidate],
+  visitCodes(candidates_[entry(i).begin + candidate],
              [&](std::uint64_t code) { keys.push_back(keyOfMortonCode(code)); });
   return keys;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "saccade/session/session_map.hpp"
+
 namespace saccade {
 namespace {
 
@@ -109,14 +111,23 @@ std::vector<AttendedObject> ObjectMemory::objects(int least_looks) const {
   return objects;
 }
 
+void ObjectMemory::observe(const AttendLog& log, std::size_t tick) {
+  for (std::size_t candidate = 0; candidate < log.candidateCount(tick); ++candidate) {
+    const std::vector<LeafKey> leaves = log.leaves(tick, candidate);
+    observe(log.tick(tick).tick, log.tick(tick).frame, {log.rank(tick, candidate), leaves});
+  }
+}
+
 std::vector<AttendedObject> findObjects(const AttendLog& log, int least_looks, const ObjectMemoryConfig& config) {
   ObjectMemory memory(config);
-  for (std::size_t i = 0; i < log.tickCount(); ++i) {
-    for (std::size_t candidate = 0; candidate < log.candidateCount(i); ++candidate) {
-      const std::vector<LeafKey> leaves = log.leaves(i, candidate);
-      memory.observe(log.tick(i).tick, log.tick(i).frame, {log.rank(i, candidate), leaves});
-    }
-  }
+  for (std::size_t i = log.firstAtHand(); i < log.tickCount(); ++i) memory.observe(log, i);
+  return memory.objects(least_looks);
+}
+
+std::vector<AttendedObject> findObjects(const SessionReader& session, int least_looks,
+                                        const ObjectMemoryConfig& config) {
+  ObjectMemory memory(config);
+  visitAttendLog(session, [&](const AttendLog& log, std::size_t tick) { memory.observe(log, tick); });
   return memory.objects(least_looks);
 }
 

@@ -58,7 +58,7 @@ int storeObjects(const std::filesystem::path& path) {
     const SessionReader session(path);
     const IorMap map = loadMap(session);
     const OrdinalByTick ordinals = ordinalsByTick(session);
-    const std::vector<AttendedObject> objects = findObjects(loadAttendLog(session));
+    const std::vector<AttendedObject> objects = findObjects(session);
     database.requirePart(kObjects);
     db.exec("DELETE FROM objects; DELETE FROM object_looks");
     SQLite::Statement row(db, "INSERT INTO objects VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");

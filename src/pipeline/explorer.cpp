@@ -245,6 +245,9 @@ const KeyframeSet& Explorer::keyframes() const {
 const AttendLog& Explorer::attendLog() const {
   return stages_->log;
 }
+AttendLog& Explorer::attendLog() {
+  return stages_->log;
+}
 const MotionPredictor::State& Explorer::motion() const {
   return stages_->motion.state();
 }

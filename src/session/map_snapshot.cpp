@@ -102,12 +102,13 @@ void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot, const SessionPa
   }
   surface_changes_ = surface.changes();
 
-  const AttendLog& log = explorer.attendLog();
+  AttendLog& log = explorer.attendLog();
   for (; ticks_ < log.tickCount(); ++ticks_) {
     const std::string bytes = encodeTick(log, ticks_);
     snapshot.add(BlobTable::kAttendLog, log.tick(ticks_).tick.value, log.candidateCount(ticks_), bytes.data(),
                  bytes.size());
   }
+  log.letGo(ticks_);
 }
 
 }  // namespace saccade

@@ -51,7 +51,7 @@ class MapChanges {
   /// Of a session of which `explorer` holds all but the map, which its pager brings.
   [[nodiscard]] static MapChanges noneIn(Explorer& explorer, const SessionReader& session);
 
-  /// Fills `snapshot` with what changed since the last call. Tiles that are not in memory any more are removed from the
+  /// Fills `snapshot` with what changed since the last call, and has the attend log let go of its ticks. Tiles that are not in memory any more are removed from the
   /// session, unless `pager` has put them away. Cost: the changed parts, and a glance at each tile and brick.
   void take(Explorer& explorer, MapSnapshot& snapshot, const SessionPager* pager = nullptr);
   /// Leaves of the map at the last call.

@@ -17,6 +17,13 @@ Eigen::AlignedBox3d boxOf(const BrickPosition& brick, double cell_m) {
   return {low, low + Eigen::Vector3d::Constant(edge_m)};
 }
 
+void record(const BlobRecord& blob, const std::filesystem::path& path, AttendLog& log) {
+  const LoggedTick tick = decodeTick(blob.bytes, Tick{static_cast<std::uint32_t>(blob.key)}, path);
+  std::vector<CandidateLeaves> candidates;
+  for (std::size_t i = 0; i < tick.ranks.size(); ++i) candidates.push_back({tick.ranks[i], tick.leaves[i]});
+  log.record(tick.events, candidates);
+}
+
 }  // namespace
 
 MapRegion MapRegion::everything() {
@@ -73,11 +80,21 @@ SurfaceVolume loadSurface(const SessionReader& session, const MapRegion& region)
 
 AttendLog loadAttendLog(const SessionReader& session) {
   AttendLog log;
+  session.visitBlobs(BlobTable::kAttendLog, [&](const BlobRecord& blob) { record(blob, session.path(), log); });
+  return log;
+}
+
+AttendLog loadAttendedLeaves(const SessionReader& session) {
+  return visitAttendLog(session, [](const AttendLog&, std::size_t) {});
+}
+
+AttendLog visitAttendLog(const SessionReader& session,
+                         const std::function<void(const AttendLog& log, std::size_t tick)>& visit) {
+  AttendLog log;
   session.visitBlobs(BlobTable::kAttendLog, [&](const BlobRecord& blob) {
-    const LoggedTick tick = decodeTick(blob.bytes, Tick{static_cast<std::uint32_t>(blob.key)}, session.path());
-    std::vector<CandidateLeaves> candidates;
-    for (std::size_t i = 0; i < tick.ranks.size(); ++i) candidates.push_back({tick.ranks[i], tick.leaves[i]});
-    log.record(tick.events, candidates);
+    record(blob, session.path(), log);
+    visit(log, log.firstAtHand());
+    log.letGo(log.tickCount());
   });
   return log;
 }

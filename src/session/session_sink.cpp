@@ -161,7 +161,7 @@ namespace {
 ExplorerMemory loadMemory(const SessionReader& session, const MapRegion& region) {
   const std::optional<std::string> motion = session.state(kMotionState);
   if (!motion) throw IoError(session.path(), "the state of a tracked exploration to go on with", "none");
-  return {loadMap(session, region), loadSurface(session, region), loadAttendLog(session),
+  return {loadMap(session, region), loadSurface(session, region), loadAttendedLeaves(session),
           decodeMotion(*motion, session.path()), loadKeyframes(session)};
 }
 

@@ -17,6 +17,8 @@
 
 namespace saccade {
 
+class SessionReader;
+
 /// Number of an object, from 1 in the order of first sight; stays the same when an exploration goes on.
 struct ObjectId {
   int value = 0;
@@ -79,6 +81,9 @@ class ObjectMemory {
   /// Adds a candidate; ticks must not fall, ranks rise within a tick. The object it belongs to.
   ObjectId observe(Tick tick, FrameIndex frame, const CandidateLeaves& candidate);
 
+  /// Adds all candidates of a tick, by its number in the log.
+  void observe(const AttendLog& log, std::size_t tick);
+
   /// The objects that were looked at in at least `least_looks` ticks, by their numbers.
   [[nodiscard]] std::vector<AttendedObject> objects(int least_looks = 2) const;
 
@@ -110,6 +115,10 @@ class ObjectMemory {
 
 /// The objects of a whole log.
 [[nodiscard]] std::vector<AttendedObject> findObjects(const AttendLog& log, int least_looks = 2,
+                                                      const ObjectMemoryConfig& config = {});
+
+/// The objects of a session, found tick by tick: in memory is what the objects take, not the log.
+[[nodiscard]] std::vector<AttendedObject> findObjects(const SessionReader& session, int least_looks = 2,
                                                       const ObjectMemoryConfig& config = {});
 
 /// The finest occupied leaves of the map within the object's blocks, in the order of the blocks.

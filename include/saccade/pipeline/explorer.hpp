@@ -71,6 +71,7 @@ class Explorer {
   [[nodiscard]] const SurfaceVolume& surface() const;
   [[nodiscard]] SurfaceVolume& surface();
   [[nodiscard]] const AttendLog& attendLog() const;
+  [[nodiscard]] AttendLog& attendLog();
   [[nodiscard]] const MotionPredictor::State& motion() const;
   [[nodiscard]] const KeyframeSet& keyframes() const;
   [[nodiscard]] const ExplorerConfig& config() const;

@@ -46,8 +46,16 @@ class MapRegion {
 [[nodiscard]] SurfaceVolume loadSurface(const SessionReader& session,
                                         const MapRegion& region = MapRegion::everything());
 
-/// The record of every attention.
+/// The record of every attention. It grows with the length of an exploration: tens of KiB a frame.
 [[nodiscard]] AttendLog loadAttendLog(const SessionReader& session);
+
+/// Which leaves were ever attended, without the record: what going on needs. It grows with the map alone.
+[[nodiscard]] AttendLog loadAttendedLeaves(const SessionReader& session);
+
+/// Calls `visit` for each tick, oldest first, of a log that has one tick at hand at a time: the one with the number
+/// `tick`. Returns what loadAttendedLeaves() does.
+AttendLog visitAttendLog(const SessionReader& session,
+                         const std::function<void(const AttendLog& log, std::size_t tick)>& visit);
 
 /// The keyframes with their features, in the order in which they came; without images.
 [[nodiscard]] std::vector<std::shared_ptr<const Keyframe>> loadKeyframes(const SessionReader& session);

@@ -79,6 +79,34 @@ TEST(AttendLog, CountsOnlyEarlierTicksAsRevisits) {
   EXPECT_EQ(log.revisitedShare(keys, Tick{6}), 1.0);
 }
 
+TEST(AttendLog, LetsGoOfSavedTicksAndStillKnowsRevisits) {
+  std::mt19937 random(11);
+  AttendLog whole, saved;
+  for (std::uint32_t t = 0; t < 40; ++t) {
+    std::vector<std::vector<LeafKey>> masks;
+    for (int c = 0; c < 3; ++c) masks.push_back(randomKeys(random, 30, 12));
+    std::vector<CandidateLeaves> candidates;
+    for (int c = 0; c < 3; ++c) candidates.push_back({c, masks[static_cast<std::size_t>(c)]});
+    for (const auto& mask : masks) {
+      ASSERT_EQ(whole.revisitedShare(mask, Tick{t}), saved.revisitedShare(mask, Tick{t}));
+    }
+    for (AttendLog* log : {&whole, &saved}) log->record({Tick{t}, FrameIndex{t}, {masks[0][0]}, {}}, candidates);
+    if (t % 7 == 3) saved.letGo(t - 1);  // the last two ticks stay
+  }
+  ASSERT_EQ(saved.tickCount(), whole.tickCount());
+  ASSERT_EQ(saved.firstAtHand(), 37u);
+  for (std::size_t i = saved.firstAtHand(); i < saved.tickCount(); ++i) {
+    EXPECT_EQ(saved.tick(i).flags_on, whole.tick(i).flags_on);
+    ASSERT_EQ(saved.candidateCount(i), 3u);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(saved.leaves(i, c), whole.leaves(i, c));
+  }
+  saved.letGo(40);
+  EXPECT_LT(saved.memoryBytes(), whole.memoryBytes());
+  EXPECT_EQ(saved.leafCount(), whole.leafCount());
+  EXPECT_THROW(saved.record({Tick{39}, {}, {}, {}}, {}), std::invalid_argument);
+  EXPECT_THROW(saved.letGo(41), std::invalid_argument);
+}
+
 TEST(AttendLog, RefusesTicksThatDoNotRise) {
   AttendLog log;
   log.record({Tick{5}, {}, {}, {}}, {});
