@@ -11,8 +11,8 @@ void Perception::makeTables(const cv::Mat3b& image, const DepthMaps* depth, cons
     surface.labels.setTo(-1);
     surface.count = 0;
   }
-  SegmentTable::build({{&color_segments, &color}, {&surface_segments, &surface}}, saliency, image, depth);
-  overlap.build(color, surface);
+  SegmentTable::build(color_segments, color, surface_segments, surface, saliency, image, depth);
+  overlap.build(color_segments.runs(), surface_segments.runs());
   planes.build(surface_segments, camera, config);
 }
 

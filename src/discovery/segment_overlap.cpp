@@ -6,28 +6,23 @@
 
 namespace saccade {
 
-void SegmentOverlap::build(const Segmentation& first, const Segmentation& second) {
+void SegmentOverlap::build(const LabelRuns& first, const LabelRuns& second) {
   if (slots_.empty()) slots_.resize(4096);
   std::fill(slots_.begin(), slots_.end(), Slot{});
   used_slots_ = 0;
-  const bool both = !first.labels.empty() && !second.labels.empty();
-  if (both && first.labels.size() != second.labels.size()) {
-    throw std::invalid_argument("SegmentOverlap: the segmentations have widths " + std::to_string(first.labels.cols) +
-                                " and " + std::to_string(second.labels.cols) + ", heights " +
-                                std::to_string(first.labels.rows) + " and " + std::to_string(second.labels.rows));
+  const bool both = first.rows() > 0 && second.rows() > 0;
+  if (both && first.rows() != second.rows()) {
+    throw std::invalid_argument("SegmentOverlap: the segmentations have " + std::to_string(first.rows()) + " and " +
+                                std::to_string(second.rows()) + " rows");
   }
-  for (int v = 0; both && v < first.labels.rows; ++v) {
-    const int* a = first.labels[v];
-    const int* b = second.labels[v];
-    for (int u = 0; u < first.labels.cols;) {
-      const int begin = u, label_a = a[u], label_b = b[u];
-      while (u < first.labels.cols && a[u] == label_a && b[u] == label_b) ++u;
-      if (label_a < 0 || label_b < 0) continue;
-      add(static_cast<std::uint64_t>(label_a + 1) << 32 | static_cast<std::uint64_t>(label_b + 1), u - begin);
-    }
+  for (int v = 0; both && v < first.rows(); ++v) {
+    forEachCommonRun(first.row(v), second.row(v), [&](int begin, int end, std::int32_t a, std::int32_t b) {
+      if (a < 0 || b < 0) return;
+      add(static_cast<std::uint64_t>(a + 1) << 32 | static_cast<std::uint64_t>(b + 1), end - begin);
+    });
   }
-  makeRows(first.count, true, first_begin_, of_first_);
-  makeRows(second.count, false, second_begin_, of_second_);
+  makeRows(first.segments(), true, first_begin_, of_first_);
+  makeRows(second.segments(), false, second_begin_, of_second_);
 }
 
 void SegmentOverlap::add(std::uint64_t key, int pixels) {

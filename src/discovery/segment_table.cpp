@@ -1,23 +1,23 @@
 #include "saccade/discovery/segment_table.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/lanes.hpp"
-#include "discovery/row_sums.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
 namespace {
 
-// Two pixels this far apart in depth, at 1 m, lie on different surfaces; the noise of structured light grows with z².
-constexpr float kDepthStep_m = 0.010F;
-constexpr float kDepthStepPerSquareMetre = 0.006F;
 // Points for hulls and samples are taken from every second column and row.
 constexpr int kPointStep = 2;
+// The largest colour difference across a crack, summed over the channels.
+constexpr double kWholeColorStep = 3 * 255.0;
 
 struct Directions {
   std::array<float, SegmentTable::kDirections> x, y, z;
@@ -38,39 +38,55 @@ Directions makeDirections() {
   return directions;
 }
 
-// Takes the measured points of every second column of a run into a segment's extremes, eight directions at a time.
-SACCADE_MULTIVERSION void extend(SegmentTable::Extremes& extremes, const Directions& directions,
-                                 const cv::Vec3f* vertices, int begin_u, int end_u) {
-  for (std::size_t d = 0; d < SegmentTable::kDirections; d += kLanes) {
-    const FloatLanes x = loadLanes(&directions.x[d]), y = loadLanes(&directions.y[d]), z = loadLanes(&directions.z[d]);
-    FloatLanes reach = loadLanes(&extremes.reach[d]);
-    IntLanes farthest = IntLanes{} - 1;
-    for (int u = begin_u; u < end_u; u += kPointStep) {
-      const cv::Vec3f& p = vertices[u];
-      if (!(p[2] > 0.0F)) continue;
-      const FloatLanes own = x * p[0] + y * p[1] + z * p[2];
-      const IntLanes is_farther = own > reach;
-      farthest = is_farther ? IntLanes{} + u : farthest;
-      reach = is_farther ? own : reach;
-    }
-    if (!any(farthest >= 0)) continue;
-    storeLanes(reach, &extremes.reach[d]);
-    std::array<std::int32_t, kLanes> columns;
-    storeLanes(farthest, columns.data());
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      if (columns[i] < 0) continue;
-      const cv::Vec3f& p = vertices[columns[i]];
-      extremes.x[d + i] = p[0];
-      extremes.y[d + i] = p[1];
-      extremes.z[d + i] = p[2];
+// Farthest points of a run, eight directions at a time, with the columns they are at.
+struct RunReach {
+  static constexpr std::size_t kGroups = SegmentTable::kDirections / kLanes;
+  float reach[SegmentTable::kDirections];
+  std::int32_t column[SegmentTable::kDirections];
+};
+
+// Finds the farthest of the measured points of every second column of a run; false if there is none.
+SACCADE_MULTIVERSION bool findFarthest(const Directions& directions, const cv::Vec3f* vertices, int begin_u, int end_u,
+                                       RunReach& found) {
+  FloatLanes reach[RunReach::kGroups];
+  IntLanes column[RunReach::kGroups];
+  for (std::size_t g = 0; g < RunReach::kGroups; ++g) {
+    reach[g] = allLanes(-std::numeric_limits<float>::infinity());
+    column[g] = IntLanes{} - 1;
+  }
+  bool is_measured = false;
+  for (int u = begin_u; u < end_u; u += kPointStep) {
+    const cv::Vec3f& p = vertices[u];
+    if (!(p[2] > 0.0F)) continue;
+    is_measured = true;
+    for (std::size_t g = 0; g < RunReach::kGroups; ++g) {
+      const FloatLanes own = loadLanes(&directions.x[g * kLanes]) * p[0] + loadLanes(&directions.y[g * kLanes]) * p[1] +
+                             loadLanes(&directions.z[g * kLanes]) * p[2];
+      const IntLanes is_farther = own > reach[g];
+      column[g] = is_farther ? IntLanes{} + u : column[g];
+      reach[g] = is_farther ? own : reach[g];
     }
   }
+  for (std::size_t g = 0; g < RunReach::kGroups; ++g) {
+    storeLanes(reach[g], found.reach + g * kLanes);
+    storeLanes(column[g], found.column + g * kLanes);
+  }
+  return is_measured;
 }
 
-// Mean absolute difference of the channels, 0..1.
-inline float colorStep(const cv::Vec3b& a, const cv::Vec3b& b) {
-  const int sum = std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
-  return static_cast<float>(sum) * (1.0F / 765.0F);
+// Takes the farthest points of a run into a segment's extremes.
+SACCADE_MULTIVERSION void extend(SegmentTable::Extremes& extremes, const RunReach& found, const cv::Vec3f* vertices) {
+  for (std::size_t d = 0; d < SegmentTable::kDirections; d += kLanes) {
+    unsigned farther = bitsOf(loadLanes(found.reach + d) > loadLanes(&extremes.reach[d]));
+    for (; farther != 0; farther &= farther - 1) {
+      const std::size_t i = d + static_cast<std::size_t>(std::countr_zero(farther));
+      const cv::Vec3f& p = vertices[found.column[i]];
+      extremes.reach[i] = found.reach[i];
+      extremes.x[i] = p[0];
+      extremes.y[i] = p[1];
+      extremes.z[i] = p[2];
+    }
+  }
 }
 
 void requireSize(const char* what, cv::Size found, cv::Size expected) {
@@ -121,232 +137,172 @@ SegmentSums& SegmentSums::operator+=(const SegmentSums& other) {
 
 void SegmentTable::build(const Segmentation& segmentation, const cv::Mat1f& saliency, const cv::Mat3b& color,
                          const DepthMaps* depth) {
-  build({{this, &segmentation}}, saliency, color, depth);
+  const Segmentation none{cv::Mat1i(segmentation.labels.size(), kUnsegmented), 0};
+  SegmentTable unused;
+  build(*this, segmentation, unused, none, saliency, color, depth);
 }
 
-void SegmentTable::build(std::initializer_list<Building> tables, const cv::Mat1f& saliency, const cv::Mat3b& color,
+void SegmentTable::build(SegmentTable& first, const Segmentation& of_first, SegmentTable& second,
+                         const Segmentation& of_second, const cv::Mat1f& saliency, const cv::Mat3b& color,
                          const DepthMaps* depth) {
-  for (const auto& [table, segmentation] : tables) {
-    const cv::Size size = segmentation->labels.size();
-    requireSize("saliency map", saliency.size(), size);
-    requireSize("colour image", color.size(), size);
-    if (depth != nullptr) requireSize("vertex map", depth->vertices.size(), size);
-    if (depth != nullptr) requireSize("normal map", depth->normals.size(), size);
-    table->begin(*segmentation, depth != nullptr);
+  const cv::Size size = of_first.labels.size();
+  requireSize("other segmentation", of_second.labels.size(), size);
+  requireSize("saliency map", saliency.size(), size);
+  requireSize("colour image", color.size(), size);
+  if (depth != nullptr) requireSize("vertex map", depth->vertices.size(), size);
+  if (depth != nullptr) requireSize("normal map", depth->normals.size(), size);
+  first.begin(of_first, depth != nullptr);
+  second.begin(of_second, depth != nullptr);
+  first.steps_.begin(color, depth);
+  first.preparePixels();
+  for (int v = 0; v < size.height; ++v) {
+    first.common_runs_.clear();
+    forEachCommonRun(first.runs_.row(v), second.runs_.row(v), [&](int, int end, std::int32_t a, std::int32_t b) {
+      first.common_runs_.push_back({end, a + 1, b + 1});
+    });
+    addRuns(first.pixelRow(v, saliency, color, depth), first.common_runs_, first.added_.data(), second.added_.data());
+    if (depth != nullptr && v % kPointStep == 0) addPoints(first, second, depth->vertices[v]);
+    first.steps_.nextRow();
+    for (SegmentTable* table : {&first, &second}) table->cracks_.addRow(table->runs_, v, first.steps_);
   }
-  std::vector<double>& row_sums = tables.begin()->first->row_sums_;
-  row_sums.resize(static_cast<std::size_t>(color.cols + 1) * kRowSums);
-  for (int v = 0; v < color.rows; ++v) {
-    sumRow(v, saliency, color, depth, row_sums.data());
-    for (const auto& [table, segmentation] : tables) table->addRow(*segmentation, v, row_sums);
-  }
-  for (const auto& [table, segmentation] : tables) {
-    if (depth != nullptr) {
-      table->gatherPoints(segmentation->labels, *depth);
-    } else {
-      table->sample_count_.assign(table->sums_.size(), 0);
-    }
-    table->gatherCracks(segmentation->labels, color, depth);
-    table->sortEdges();
+  for (SegmentTable* table : {&first, &second}) {
+    table->takeSums();
+    table->takeEdges();
   }
 }
 
 void SegmentTable::begin(const Segmentation& segmentation, bool has_depth) {
   size_ = segmentation.labels.size();
   has_depth_ = has_depth;
-  sums_.assign(static_cast<std::size_t>(segmentation.count), SegmentSums{});
-  for (std::vector<std::int64_t>* power : {&power_1_, &power_2_, &power_3_}) {
-    power->assign(static_cast<std::size_t>(size_.width) + 1, 0);
-  }
-  for (int u = 0; u < size_.width; ++u) {
-    const auto i = static_cast<std::size_t>(u);
-    const std::int64_t x = u - momentOrigin().x;
-    power_1_[i + 1] = power_1_[i] + x;
-    power_2_[i + 1] = power_2_[i] + x * x;
-    power_3_[i + 1] = power_3_[i] + x * x * x;
-  }
-}
-
-void SegmentTable::addRow(const Segmentation& segmentation, int v, const std::vector<double>& row_sums) {
-  const int* row = segmentation.labels[v];
-  for (int u = 0; u < size_.width;) {
-    const int begin = u, label = row[u];
-    while (u < size_.width && row[u] == label) ++u;
-    if (label >= segmentation.count) {
-      throw std::invalid_argument("SegmentTable: label " + std::to_string(label) + " where there are " +
-                                  std::to_string(segmentation.count) + " segments");
-    }
-    if (label >= 0) addRun(sums_[static_cast<std::size_t>(label)], v, begin, u, row_sums);
-  }
-}
-
-void SegmentTable::addRun(SegmentSums& sums, int v, int begin_u, int end_u, const std::vector<double>& row_sums) const {
-  const auto begin = static_cast<std::size_t>(begin_u), end = static_cast<std::size_t>(end_u);
-  if (sums.area == 0) {
-    sums.min_u = begin_u;
-    sums.min_v = v;
-    sums.max_u = end_u - 1;
-  }
-  sums.area += end_u - begin_u;
-  sums.min_u = std::min(sums.min_u, begin_u);
-  sums.max_u = std::max(sums.max_u, end_u - 1);
-  sums.max_v = v;
-
-  const std::int64_t y = v - momentOrigin().y, n = end_u - begin_u;
-  const std::int64_t x1 = power_1_[end] - power_1_[begin], x2 = power_2_[end] - power_2_[begin],
-                     x3 = power_3_[end] - power_3_[begin];
-  sums.moments += {n, x1, n * y, x2, x1 * y, n * y * y, x3, x2 * y, x1 * y * y, n * y * y * y};
-
-  std::array<double, kRowSums> own;
-  const double *left = row_sums.data() + begin * kRowSums, *right = row_sums.data() + end * kRowSums;
-  for (std::size_t i = 0; i < kRowSums; ++i) own[i] = right[i] - left[i];
-  sums.saliency += own[kRowSaliency];
-  for (std::size_t i = 0; i < 3; ++i) sums.color[i] += own[kRowColor + i];
-  sums.color_squared += own[kRowColorSquared];
-  if (!has_depth_) return;
-  for (std::size_t i = 0; i < 3; ++i) sums.vertex[i] += own[kRowVertex + i];
-  for (std::size_t i = 0; i < 3; ++i) sums.normal[i] += own[kRowNormal + i];
-  for (std::size_t i = 0; i < 6; ++i) sums.scatter[i] += own[kRowScatter + i];
-  sums.depth_count += static_cast<int>(own[kRowDepthCount]);
-  sums.normal_count += static_cast<int>(own[kRowNormalCount]);
-}
-
-// Keeps about every n-th point, at irregular steps lest they fall into step with the image's columns; when the
-// segment's places are full, every second one is dropped and n doubles.
-void SegmentTable::addSample(std::size_t segment, const Eigen::Vector3f& point) {
-  if (--sample_wait_[segment] > 0) return;
-  Eigen::Vector3f* const samples = samples_.data() + segment * kMaxSamples;
-  int& count = sample_count_[segment];
-  if (count == static_cast<int>(kMaxSamples)) {
-    for (std::size_t i = 0; i < kMaxSamples / 2; ++i) samples[i] = samples[2 * i];
-    count = static_cast<int>(kMaxSamples) / 2;
-    sample_stride_[segment] *= 2;
-  }
-  samples[count++] = point;
-  std::uint32_t& random = sample_random_[segment];
-  random = random * 1664525U + 1013904223U;
-  const auto stride = static_cast<std::uint32_t>(sample_stride_[segment]);
-  sample_wait_[segment] = static_cast<int>(1 + (random >> 8) % (2 * stride - 1));
-}
-
-void SegmentTable::gatherPoints(const cv::Mat1i& labels, const DepthMaps& depth) {
-  static const Directions directions = makeDirections();
+  runs_.build(segmentation);
+  const auto count = static_cast<std::size_t>(segmentation.count);
+  sums_.assign(count, SegmentSums{});
+  added_.assign((count + 1) * kRunSums, 0.0);
+  cracks_.begin(segmentation.count);
   Extremes none{};
   none.reach.fill(-std::numeric_limits<float>::infinity());
-  extremes_.assign(sums_.size(), none);
-  samples_.resize(sums_.size() * kMaxSamples);
-  sample_count_.assign(sums_.size(), 0);
-  sample_stride_.assign(sums_.size(), 1);
-  sample_wait_.assign(sums_.size(), 1);
-  sample_random_.assign(sums_.size(), 1);
-  for (int v = 0; v < labels.rows; v += kPointStep) {
-    const int* row = labels[v];
-    const cv::Vec3f* vertices = depth.vertices[v];
-    for (int u = 0; u < labels.cols;) {
-      const int begin = u, label = row[u];
-      while (u < labels.cols && row[u] == label) u += kPointStep;
-      if (label < 0) continue;
-      const auto segment = static_cast<std::size_t>(label);
-      extend(extremes_[segment], directions, vertices, begin, u);
-      for (int i = begin; i < u; i += kPointStep) {
-        const cv::Vec3f& p = vertices[i];
-        if (p[2] > 0.0F) addSample(segment, {p[0], p[1], p[2]});
+  extremes_.assign(has_depth ? count : 0, none);
+  samples_.resize(count * kMaxSamples);
+  sampling_.assign(count, Sampling{});
+}
+
+/// What pixelRow() hands out beside the images: powers of the columns, and rows of its own.
+void SegmentTable::preparePixels() {
+  const auto width = static_cast<std::size_t>(size_.width);
+  column_powers_.assign(4 * (width + 1), 0.0);
+  for (std::size_t u = 0; u < width; ++u) {
+    const double x = static_cast<double>(u) - momentOrigin().x;
+    const double powers[] = {1.0, x, x * x, x * x * x};
+    for (std::size_t i = 0; i < 4; ++i) column_powers_[4 * (u + 1) + i] = column_powers_[4 * u + i] + powers[i];
+  }
+  padded_color_.resize(width + 1);
+  padded_vertices_.assign(width + 2, cv::Vec3f());
+  padded_normals_.assign(width + 2, cv::Vec3f());
+}
+
+/// Rows of the images; of the last one copies, as a little beyond its end may be read. Zeros without depth.
+PixelRow SegmentTable::pixelRow(int v, const cv::Mat1f& saliency, const cv::Mat3b& color, const DepthMaps* depth) {
+  PixelRow row{saliency[v],
+               color[v],
+               depth != nullptr ? depth->vertices[v] : padded_vertices_.data(),
+               depth != nullptr ? depth->normals[v] : padded_normals_.data(),
+               column_powers_.data(),
+               static_cast<double>(v - momentOrigin().y)};
+  if (v + 1 < size_.height) return row;
+  const auto padded = [&](auto* pixels, auto& copy) {
+    if (pixels != copy.data()) std::copy_n(pixels, size_.width, copy.begin());
+    return copy.data();
+  };
+  row.color = padded(row.color, padded_color_);
+  row.vertices = padded(row.vertices, padded_vertices_);
+  row.normals = padded(row.normals, padded_normals_);
+  return row;
+}
+
+/// Takes the points of the common runs into both tables' extremes and samples.
+void SegmentTable::addPoints(SegmentTable& first, SegmentTable& second, const cv::Vec3f* vertices) {
+  static const Directions directions = makeDirections();
+  RunReach found;
+  int begin = 0;
+  for (const CommonRun& run : first.common_runs_) {
+    const int from = (begin + kPointStep - 1) / kPointStep * kPointStep, end = run.end_u;
+    begin = end;
+    if (run.first + run.second == 0 || from >= end || !findFarthest(directions, vertices, from, end, found)) continue;
+    for (const auto& [table, owner] : {std::pair{&first, run.first}, std::pair{&second, run.second}}) {
+      if (owner == 0) continue;
+      const auto segment = static_cast<std::size_t>(owner - 1);
+      extend(table->extremes_[segment], found, vertices);
+      for (int u = from; u < end; u += kPointStep) {
+        const cv::Vec3f& p = vertices[u];
+        if (p[2] > 0.0F) table->addSample(segment, {p[0], p[1], p[2]});
       }
     }
   }
 }
 
-SegmentTable::EdgeSlot& SegmentTable::edgeSlot(std::int32_t a, std::int32_t b) {
-  // Ids start at -2; the shift keeps 0 free for "empty". The first of the pair is the smaller id.
-  const auto low = static_cast<std::uint64_t>(std::min(a, b) + 3),
-             high = static_cast<std::uint64_t>(std::max(a, b) + 3);
-  const std::uint64_t key = low << 32 | high;
-  const std::size_t mask = slots_.size() - 1;
-  std::size_t i = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 40) & mask;
-  while (slots_[i].key != key) {
-    if (slots_[i].key == 0) {
-      slots_[i].key = key;
-      ++used_slots_;
-      break;
-    }
-    i = (i + 1) & mask;
+// Keeps about every n-th point, at irregular steps lest they fall into step with the image's columns; when the
+// segment's places are full, every second one is dropped and n doubles.
+void SegmentTable::addSample(std::size_t segment, const Eigen::Vector3f& point) {
+  Sampling& own = sampling_[segment];
+  if (--own.wait > 0) return;
+  Eigen::Vector3f* const samples = samples_.data() + segment * kMaxSamples;
+  if (own.count == static_cast<int>(kMaxSamples)) {
+    for (std::size_t i = 0; i < kMaxSamples / 2; ++i) samples[i] = samples[2 * i];
+    own.count = static_cast<int>(kMaxSamples) / 2;
+    own.stride *= 2;
   }
-  return slots_[i];
+  samples[own.count++] = point;
+  own.random = own.random * 1664525U + 1013904223U;
+  own.wait = static_cast<int>(1 + (own.random >> 8) % (2 * static_cast<std::uint32_t>(own.stride) - 1));
 }
 
-void SegmentTable::growEdgeSlots() {
-  std::vector<EdgeSlot> old(slots_.size() * 2);
-  old.swap(slots_);
-  used_slots_ = 0;
-  for (const EdgeSlot& slot : old) {
-    if (slot.key == 0) continue;
-    const auto a = static_cast<std::int32_t>(slot.key >> 32) - 3,
-               b = static_cast<std::int32_t>(slot.key & 0xFFFFFFFFU) - 3;
-    edgeSlot(a, b) = slot;
-  }
-}
-
-void SegmentTable::gatherCracks(const cv::Mat1i& labels, const cv::Mat3b& color, const DepthMaps* depth) {
-  if (slots_.empty()) slots_.resize(4096);
-  std::fill(slots_.begin(), slots_.end(), EdgeSlot{});
-  used_slots_ = 0;
-  EdgeSlot* last = nullptr;  // cracks of one boundary mostly follow each other
-  int last_a = 0, last_b = 0;
-  const auto add = [&](int a, int b, int u_a, int v_a, int u_b, int v_b) {
-    if (last == nullptr || a != last_a || b != last_b) {
-      if (used_slots_ * 2 > slots_.size()) growEdgeSlots();
-      last = &edgeSlot(a, b);
-      last_a = a;
-      last_b = b;
-    }
-    EdgeSlot& slot = *last;
-    ++slot.length;
-    slot.color_step += colorStep(color(v_a, u_a), color(v_b, u_b));
-    if (depth == nullptr) return;
-    const float z_a = depth->vertices(v_a, u_a)[2], z_b = depth->vertices(v_b, u_b)[2];
-    if (!(z_a > 0.0F) || !(z_b > 0.0F)) return;
-    ++slot.known;
-    const float nearest = std::min(z_a, z_b), step = kDepthStep_m + kDepthStepPerSquareMetre * nearest * nearest;
-    const bool a_first = a < b;
-    if (z_b - z_a > step) ++(a_first ? slot.first_nearer : slot.second_nearer);
-    if (z_a - z_b > step) ++(a_first ? slot.second_nearer : slot.first_nearer);
-  };
-  const auto addBorder = [&](int label, int cracks) {
-    if (label < 0) return;
-    if (used_slots_ * 2 > slots_.size()) growEdgeSlots();
-    edgeSlot(kImageBorder, label).length += cracks;
-    last = nullptr;  // the table may have moved
-  };
-  for (int v = 0; v < labels.rows; ++v) {
-    const int* row = labels[v];
-    const int* above = v > 0 ? labels[v - 1] : nullptr;
-    addBorder(row[0], 1);
-    addBorder(row[labels.cols - 1], 1);
-    for (int u = 1; u < labels.cols; ++u) {
-      if (row[u] != row[u - 1]) add(row[u - 1], row[u], u - 1, v, u, v);
-    }
-    if (above == nullptr) continue;
-    for (int u = 0; u < labels.cols; ++u) {
-      if (row[u] != above[u]) add(above[u], row[u], u, v - 1, u, v);
+/// Makes the segments' sums of what was added up.
+void SegmentTable::takeSums() {
+  for (int v = 0; v < size_.height; ++v) {
+    int begin = 0;
+    for (const LabelRun& run : runs_.row(v)) {
+      const int begin_u = std::exchange(begin, run.end_u);
+      if (run.label < 0) continue;
+      SegmentSums& sums = sums_[static_cast<std::size_t>(run.label)];
+      if (sums.max_u < 0) sums.min_u = begin_u, sums.min_v = v;
+      sums.min_u = std::min(sums.min_u, begin_u);
+      sums.max_u = std::max(sums.max_u, run.end_u - 1);
+      sums.max_v = v;
     }
   }
-  if (labels.rows == 0) return;
-  for (int u = 0; u < labels.cols; ++u) {
-    addBorder(labels(0, u), 1);
-    addBorder(labels(labels.rows - 1, u), 1);
+  const auto whole = [](double value) { return static_cast<std::int64_t>(value); };
+  for (std::size_t s = 0; s < sums_.size(); ++s) {
+    SegmentSums& sums = sums_[s];
+    const double* const added = added_.data() + (s + 1) * kRunSums;
+    const double* const m = added + kSumMoments;
+    sums.area = static_cast<int>(m[0]);
+    sums.moments = {whole(m[0]), whole(m[1]), whole(m[4]), whole(m[2]), whole(m[5]),
+                    whole(m[8]), whole(m[3]), whole(m[6]), whole(m[9]), whole(m[12])};
+    sums.saliency = added[kSumSaliency];
+    std::copy_n(added + kSumColor, 3, sums.color.begin());
+    sums.color_squared = added[kSumColorSquared];
+    sums.depth_count = static_cast<int>(added[kSumDepthCount]);
+    std::copy_n(added + kSumVertex, 3, sums.vertex.begin());
+    std::copy_n(added + kSumScatter, 6, sums.scatter.begin());
+    sums.normal_count = static_cast<int>(added[kSumNormalCount]);
+    std::copy_n(added + kSumNormal, 3, sums.normal.begin());
   }
 }
 
-void SegmentTable::sortEdges() {
+/// Gives each segment its edges, by rising neighbour.
+void SegmentTable::takeEdges() {
   edge_begin_.assign(sums_.size() + 1, 0);
   const auto forEachSide = [&](const auto& visit) {
-    for (const EdgeSlot& slot : slots_) {
-      if (slot.key == 0) continue;
-      const auto a = static_cast<std::int32_t>(slot.key >> 32) - 3,
-                 b = static_cast<std::int32_t>(slot.key & 0xFFFFFFFFU) - 3;
-      const auto step = static_cast<double>(slot.color_step);
-      if (a >= 0) visit(a, SegmentEdge{b, slot.length, slot.known, slot.first_nearer, slot.second_nearer, step});
-      if (b >= 0) visit(b, SegmentEdge{a, slot.length, slot.known, slot.second_nearer, slot.first_nearer, step});
+    for (const CrackCounter::Pair& pair : cracks_.pairs()) {
+      const int known = pair.cracks[kNoStep] + pair.cracks[kFirstNearer] + pair.cracks[kSecondNearer];
+      const int length = known + pair.cracks[kUnknownDepth];
+      const double step = static_cast<double>(pair.color) / kWholeColorStep;
+      const int nearer = pair.cracks[kFirstNearer], farther = pair.cracks[kSecondNearer];
+      if (pair.first >= 0) visit(pair.first, SegmentEdge{pair.second, length, known, nearer, farther, step});
+      if (pair.second >= 0) visit(pair.second, SegmentEdge{pair.first, length, known, farther, nearer, step});
+    }
+    for (std::int32_t s = 0; s < count(); ++s) {
+      if (cracks_.border(s) > 0) visit(s, SegmentEdge{kImageBorder, cracks_.border(s), 0, 0, 0, 0.0});
     }
   };
   forEachSide([&](std::int32_t segment, const SegmentEdge&) { ++edge_begin_[static_cast<std::size_t>(segment) + 1]; });

@@ -104,11 +104,10 @@ TEST(Allocations, SurfaceSegmentsTakeNone) {
 
 TEST(Allocations, SegmentTablesTakeNone) {
   SegmentTable color, surface;
-  EXPECT_EQ(
-      mostAllocations([&](const Frame& f) {
-        SegmentTable::build({{&color, &f.seen.color}, {&surface, &f.seen.surface}}, f.seen.saliency, f.color, &f.depth);
-      }),
-      0u);
+  EXPECT_EQ(mostAllocations([&](const Frame& f) {
+              SegmentTable::build(color, f.seen.color, surface, f.seen.surface, f.seen.saliency, f.color, &f.depth);
+            }),
+            0u);
 }
 
 TEST(Allocations, TheSurfaceVolumeAndItsViewTakeNone) {

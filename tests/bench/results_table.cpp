@@ -118,7 +118,10 @@ std::string ResultsTable::markdown(const std::string& commit) const {
   std::string table = "| stage | core-ms | rivals in the same run |\n|---|---|---|\n";
   table += row("saliency", {"saliency"}, {{"saliencyOfVocus2", "VOCUS2 with OpenCV's filters"}});
   table += row("salient blobs", {"salientBlobs"}, {});
-  table += row("colour segments", {"colorSegments"}, {{"colorSegmentsOfOpenCv", "OpenCV GraphSegmentation"}});
+  table += row("colour segments, of the halved image", {"colorSegments"},
+               {{"colorSegmentsOfOpenCv", "OpenCV GraphSegmentation of the whole"}});
+  table += row("the paper's, of the whole (`--paper`)", {"colorSegmentsOfThePaper"},
+               {{"colorSegmentsOfOpenCv", "OpenCV GraphSegmentation"}});
   table += row("normals and surface segments", {"surfaceSegments"},
                {{"surfaceSegmentsOfOpenCv", "OpenCV RgbdNormals + RgbdPlane"},
                 {"normalsOfPcl", "PCL integral-image normals alone"},

@@ -19,10 +19,13 @@ struct PerceptionConfig {
   SupportPlaneConfig planes;
   int max_maxima = 64;
 
-  /// Finer than the paper's segments: small things get segments of their own, and merging finds the large ones.
+  /// Finer than the paper's segments: small things get segments of their own, and merging finds the large ones. Chosen
+  /// on labelled frames for development, see docs/evaluation.md.
   static ColorSegmentsConfig fineColor() {
     ColorSegmentsConfig color;
-    color.k = 100.0;
+    color.halved = true;
+    color.k = 500.0;
+    color.sigma = 0.3;
     return color;
   }
   static SurfaceSegmentsConfig fineSurface() {

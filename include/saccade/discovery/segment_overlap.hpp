@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "saccade/segmentation/segmentation.hpp"
+#include "saccade/discovery/label_runs.hpp"
 
 namespace saccade {
 
@@ -18,9 +18,9 @@ class SegmentOverlap {
     int pixels = 0;
   };
 
-  /// About 1 ms for 640×480. An empty segmentation makes an empty table. Throws std::invalid_argument if the sizes of
-  /// two non-empty ones differ.
-  void build(const Segmentation& first, const Segmentation& second);
+  /// About 0.5 ms for 640×480. An empty segmentation makes an empty table. Throws std::invalid_argument if the heights
+  /// of two non-empty ones differ.
+  void build(const LabelRuns& first, const LabelRuns& second);
 
   /// Shares of segment `id` of the first segmentation, by rising id of the other.
   [[nodiscard]] std::span<const Share> ofFirst(std::int32_t id) const { return row(first_begin_, of_first_, id); }

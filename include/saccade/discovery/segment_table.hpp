@@ -2,15 +2,16 @@
 
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
 #include "saccade/core/depth_maps.hpp"
+#include "saccade/discovery/crack_counter.hpp"
+#include "saccade/discovery/label_runs.hpp"
+#include "saccade/discovery/run_sums.hpp"
 #include "saccade/segmentation/segmentation.hpp"
 
 namespace saccade {
@@ -67,15 +68,13 @@ class SegmentTable {
     std::array<float, kDirections> x, y, z;  ///< the point itself, frame C
   };
 
-  /// A table to be built and the segmentation that it is of.
-  using Building = std::pair<SegmentTable*, const Segmentation*>;
-
   /// Gathers the sums of `segmentation`. `saliency` and `color` have its size; `depth` may be null (colour only).
-  /// About 3 ms for 640×480. Throws std::invalid_argument if sizes differ.
+  /// About 3 ms for 640×480. Throws std::invalid_argument if sizes differ or labels are not below the count.
   void build(const Segmentation& segmentation, const cv::Mat1f& saliency, const cv::Mat3b& color,
              const DepthMaps* depth);
-  /// The same for several segmentations of one image, whose pixels are read once.
-  static void build(std::initializer_list<Building> tables, const cv::Mat1f& saliency, const cv::Mat3b& color,
+  /// The same for two segmentations of one image, whose pixels are read once.
+  static void build(SegmentTable& first, const Segmentation& of_first, SegmentTable& second,
+                    const Segmentation& of_second, const cv::Mat1f& saliency, const cv::Mat3b& color,
                     const DepthMaps* depth);
 
   [[nodiscard]] int count() const { return static_cast<int>(sums_.size()); }
@@ -83,6 +82,8 @@ class SegmentTable {
   [[nodiscard]] bool hasDepth() const { return has_depth_; }
   [[nodiscard]] cv::Point momentOrigin() const { return {size_.width / 2, size_.height / 2}; }
 
+  /// The segmentation's runs, for whatever else goes through its pixels.
+  [[nodiscard]] const LabelRuns& runs() const { return runs_; }
   [[nodiscard]] const SegmentSums& sums(std::int32_t segment) const { return sums_[static_cast<std::size_t>(segment)]; }
   /// Neighbours by rising id (kImageBorder and kUnsegmented first).
   [[nodiscard]] std::span<const SegmentEdge> edges(std::int32_t segment) const {
@@ -92,7 +93,7 @@ class SegmentTable {
   /// A few measured points spread evenly over the segment, frame C. None without depth.
   [[nodiscard]] std::span<const Eigen::Vector3f> samples(std::int32_t segment) const {
     const auto s = static_cast<std::size_t>(segment);
-    return {samples_.data() + s * kMaxSamples, static_cast<std::size_t>(sample_count_[s])};
+    return {samples_.data() + s * kMaxSamples, static_cast<std::size_t>(sampling_[s].count)};
   }
   /// Only with depth.
   [[nodiscard]] const Extremes& extremes(std::int32_t segment) const {
@@ -102,35 +103,38 @@ class SegmentTable {
  private:
   static constexpr std::size_t kMaxSamples = 32;
 
-  struct EdgeSlot {
-    std::uint64_t key = 0;  ///< 0: empty
-    int length = 0, known = 0, first_nearer = 0, second_nearer = 0;
-    float color_step = 0.0F;
+  /// Which of a segment's points are kept as samples.
+  struct Sampling {
+    int count = 0, stride = 1, wait = 1;
+    std::uint32_t random = 1;
   };
 
   void begin(const Segmentation& segmentation, bool has_depth);
-  void addRow(const Segmentation& segmentation, int v, const std::vector<double>& row_sums);
-  void addRun(SegmentSums& sums, int v, int begin_u, int end_u, const std::vector<double>& row_sums) const;
-  void gatherPoints(const cv::Mat1i& labels, const DepthMaps& depth);
   void addSample(std::size_t segment, const Eigen::Vector3f& point);
-  EdgeSlot& edgeSlot(std::int32_t a, std::int32_t b);
-  void growEdgeSlots();
-  void gatherCracks(const cv::Mat1i& labels, const cv::Mat3b& color, const DepthMaps* depth);
-  void sortEdges();
+  void preparePixels();
+  [[nodiscard]] PixelRow pixelRow(int v, const cv::Mat1f& saliency, const cv::Mat3b& color, const DepthMaps* depth);
+  static void addPoints(SegmentTable& first, SegmentTable& second, const cv::Vec3f* vertices);
+  void takeSums();
+  void takeEdges();
 
   cv::Size size_;
   bool has_depth_ = false;
+  LabelRuns runs_;
   std::vector<SegmentSums> sums_;
-  std::vector<double> row_sums_;                           ///< of the row being read, see discovery/row_sums.hpp
-  std::vector<std::int64_t> power_1_, power_2_, power_3_;  ///< prefix sums of (u - origin)^k over the columns
-  std::vector<EdgeSlot> slots_;
-  std::size_t used_slots_ = 0;
   std::vector<std::size_t> edge_begin_;
   std::vector<SegmentEdge> edges_;
   std::vector<Eigen::Vector3f> samples_;
-  std::vector<int> sample_count_, sample_stride_, sample_wait_;
-  std::vector<std::uint32_t> sample_random_;
+  std::vector<Sampling> sampling_;
   std::vector<Extremes> extremes_;
+
+  std::vector<double> added_;  ///< kRunSums of each segment, first those of the pixels in none
+  CrackCounter cracks_;
+  // Of the first of the tables that are built together.
+  PixelSteps steps_;
+  std::vector<CommonRun> common_runs_;
+  std::vector<double> column_powers_;
+  std::vector<cv::Vec3f> padded_vertices_, padded_normals_;
+  std::vector<cv::Vec3b> padded_color_;
 };
 
 }  // namespace saccade
