@@ -52,6 +52,7 @@ class TileWriter {
 
   /// The number of leaves written.
   std::size_t writeRoot(MapNode root) {
+    makeRoom();
     put(kVersion);
     const Kind kind = !root.isLeaf() ? kInner : hasPayload(root) ? kLeafWithPayload : kPlainLeaf;
     put(kind);
@@ -61,9 +62,16 @@ class TileWriter {
   }
 
  private:
+  /// Enough for the root's two bytes and a leaf, or for the masks of a node and leaves that are all its children.
+  static constexpr std::size_t kMostBetween = 256;
+  /// What is asked for at a time: all of it is filled with zeros first.
+  static constexpr std::size_t kStep = std::size_t{64} << 10;
+
+  void makeRoom() {
+    if (out_.size() - size_ < kMostBetween) out_.resize(size_ + kStep);
+  }
   template <typename T>
   void put(const T& value) {
-    if (out_.size() - size_ < sizeof(T)) out_.resize(std::max(std::size_t{4096}, 2 * out_.size()));
     std::memcpy(out_.data() + size_, &value, sizeof(T));
     size_ += sizeof(T);
   }
@@ -75,6 +83,7 @@ class TileWriter {
     put(leaf.surface());
   }
   void writeInner(MapNode node) {
+    makeRoom();
     std::uint8_t inner = 0, payload = 0;
     const auto exists = static_cast<std::uint8_t>(node.childMask());
     for (unsigned i = 0; i < 8; ++i) {
@@ -91,7 +100,12 @@ class TileWriter {
     put(payload);
     for (unsigned i = 0; i < 8; ++i) {
       if ((exists >> i & 1u) == 0) continue;
-      (inner >> i & 1u) != 0 ? writeInner(node.child(i)) : writeLeaf(node.child(i), (payload >> i & 1u) != 0);
+      if ((inner >> i & 1u) != 0) {
+        writeInner(node.child(i));
+        makeRoom();  // for the leaves that follow
+      } else {
+        writeLeaf(node.child(i), (payload >> i & 1u) != 0);
+      }
     }
   }
 

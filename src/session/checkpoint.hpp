@@ -28,7 +28,7 @@ struct Checkpoint {
   void clear();
 };
 
-/// Writes checkpoints on a thread of its own, one at a time.
+/// Writes checkpoints on a thread of its own, one at a time, at low priority: a frame is more urgent.
 class CheckpointThread {
  public:
   explicit CheckpointThread(std::unique_ptr<SessionWriter> writer);

@@ -71,7 +71,6 @@ std::optional<std::size_t> MapChanges::leavesOf(std::uint64_t tile_key) const {
 }
 
 void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot, const SessionPager* pager) {
-  snapshot.clear();
   std::vector<Tile> tiles;
   for (const TileChange& change : takeTileChanges(explorer.map())) {
     const std::uint64_t key = tileKey(change.root);
@@ -102,6 +101,10 @@ void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot, const SessionPa
   }
   surface_changes_ = surface.changes();
 
+  takeTicks(explorer, snapshot);
+}
+
+void MapChanges::takeTicks(Explorer& explorer, MapSnapshot& snapshot) {
   AttendLog& log = explorer.attendLog();
   for (; ticks_ < log.tickCount(); ++ticks_) {
     const std::string bytes = encodeTick(log, ticks_);

@@ -100,6 +100,7 @@ void SessionSink::accept(const RgbdFrame& frame, const FrameReport& report) {
     checkpoint_->keyframes.push_back({ordinal, report.keyframe->T_WC, frame.color.clone(), frame.depth_m.clone(),
                                       encodeFeatures(report.keyframe->features)});
   }
+  changes_->takeTicks(explorer_, checkpoint_->map);  // a little with every frame instead of much with a checkpoint
   const bool crowded = pager_ != nullptr && pager_->crowded() && makeRoom();
   const auto now = std::chrono::steady_clock::now();
   if (!thread_->idle() || (!crowded && now - last_checkpoint_ < interval_)) return;
@@ -141,7 +142,7 @@ PagingReport SessionSink::paging() const {
   return {done.dropped, done.returned, std::max(done.most_bytes, pager_->bytes())};
 }
 
-/// Copies what changed in the explorer since the last checkpoint.
+/// Copies what changed in the explorer since the last checkpoint and is not copied yet.
 void SessionSink::fill() {
   changes_->take(explorer_, checkpoint_->map, pager_.get());
   checkpoint_->state[kMotionState] = encodeMotion(explorer_.motion());

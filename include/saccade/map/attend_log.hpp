@@ -39,23 +39,25 @@ struct AttendedBy {
 /// Record of every attention: what `why` and the revisit rate are answered from (DESIGN, "The IOR law").
 ///
 /// Kept in memory as differences of sorted keys, one to three bytes a leaf, and an index of the first tick of each leaf
-/// ever attended, by blocks of 4 x 4 x 4 leaves: those of a candidate lie close together. The index grows with the map; the
-/// record grows with time, unless who has saved a part of it lets it go. One writer, or any number of readers; leaves in Morton order are recorded and asked for fastest.
+/// ever attended, by blocks of 4 x 4 x 4 leaves: those of a candidate lie close together. The index grows with the map;
+/// the record grows with time, unless who has saved a part of it lets it go. One writer, or any number of readers;
+/// leaves in Morton order are recorded and asked for fastest.
 class AttendLog {
  public:
   /// Adds one tick; ticks must rise. The leaves of a candidate may come in any order and repeated.
   /// Throws std::invalid_argument for a tick not later than the last.
   void record(const TickEvents& events, std::span<const CandidateLeaves> candidates);
 
-  /// Lets go of the record of the first `count` ticks, which is kept elsewhere: a session. What is asked by number or by
-  /// leaf then begins after them; revisitedShare() still knows them.
-  /// Throws std::invalid_argument for more ticks than were recorded.
+  /// Lets go of the record of the first `count` ticks, which is kept elsewhere: a session. What is asked by number or
+  /// by leaf then begins after them; revisitedShare() still knows them. Throws std::invalid_argument for more ticks
+  /// than were recorded.
   void letGo(std::size_t count);
 
   /// Share of the different `leaves` that were attended at any tick before `before`, 0..1; 0 for no leaves. A candidate
   /// with 0.5 or more is a revisit.
   [[nodiscard]] double revisitedShare(std::span<const LeafKey> leaves, Tick before) const;
-  /// All attentions of a leaf in the ticks at hand, oldest first. Cost: passes over the log, skipping candidates that lie elsewhere.
+  /// All attentions of a leaf in the ticks at hand, oldest first. Cost: passes over the log, skipping candidates that
+  /// lie elsewhere.
   [[nodiscard]] std::vector<AttendedBy> attentionsOf(LeafKey leaf) const;
 
   /// The recorded ticks, oldest first; at hand are those from firstAtHand() on.
@@ -97,8 +99,8 @@ class AttendLog {
   [[nodiscard]] BlockTicks* findBlock(std::uint64_t block) const;
   BlockTicks& addBlock(std::uint64_t block);
 
-  std::size_t let_go_ = 0;           // ticks
-  std::optional<Tick> last_;         // the last tick recorded
+  std::size_t let_go_ = 0;    // ticks
+  std::optional<Tick> last_;  // the last tick recorded
   std::vector<TickEntry> ticks_;
   std::vector<CandidateEntry> candidates_;
   std::vector<std::uint8_t> bytes_;
