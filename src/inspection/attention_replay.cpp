@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "inspection/tile_entries.hpp"
-#include "map/endpoint_leaves.hpp"
+#include "saccade/map/morton_code.hpp"
 
 namespace saccade {
 namespace {
@@ -15,20 +15,13 @@ constexpr int kWeightShift = 2;
 constexpr std::uint32_t kHighestWeight = 4095;
 
 std::uint64_t codeOf(LeafKey key) {
-  return mortonCode(key.x, key.y, key.z);
-}
-
-/// Every third bit of a Morton code, from the lowest.
-std::uint16_t everyThird(std::uint64_t code) {
-  std::uint16_t value = 0;
-  for (int bit = 0; bit < 16; ++bit) value = static_cast<std::uint16_t>(value | (code >> (3 * bit) & 1u) << bit);
-  return value;
+  return mortonCode(key);
 }
 
 }  // namespace
 
 LeafKey leafKeyOf(std::uint64_t morton_code) {
-  return {everyThird(morton_code), everyThird(morton_code >> 1), everyThird(morton_code >> 2)};
+  return keyOfMortonCode(morton_code);
 }
 
 std::vector<AttendedBy> attentionsOf(const AttendLog& log, LeafKey leaf, bool attend_blocks) {

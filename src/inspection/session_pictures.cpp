@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "inspection/tile_entries.hpp"
-#include "map/endpoint_leaves.hpp"
+#include "saccade/map/morton_code.hpp"
 #include "saccade/attention/saliency.hpp"
 #include "saccade/inspection/layer_picture.hpp"
 
@@ -91,7 +91,7 @@ std::string SessionPictures::lastSeen() {
     if (!T_WC) continue;
     const IorView& view = renderer_.renderIor(mapAround(T_WC->translation()).view(), camera, *T_WC);
     const auto share = static_cast<std::uint32_t>(i * kLastShare / std::max<std::size_t>(1, count - 1));
-    for (const VisibleLeaf& leaf : view.leaves) last[mortonCode(leaf.key.x, leaf.key.y, leaf.key.z) >> 6] = share;
+    for (const VisibleLeaf& leaf : view.leaves) last[mortonCode(leaf.key) >> 6] = share;
   }
   TileEntries entries;
   for (const auto& [block, share] : last) entries.add(block << 6, share);

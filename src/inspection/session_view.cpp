@@ -13,7 +13,7 @@
 #include "inspection/session_pictures.hpp"
 #include "inspection/tile_entries.hpp"
 #include "inspection/view_json.hpp"
-#include "map/endpoint_leaves.hpp"
+#include "saccade/map/morton_code.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/exchange/map_difference.hpp"
 #include "saccade/inspection/voxel_tile.hpp"
@@ -239,7 +239,7 @@ std::string SessionView::difference() {
   const MapDifference difference = compareMaps(before, loadMap(parts_->openSession().reader));
   std::vector<std::pair<std::uint64_t, Change>> changes;
   const auto note = [&](std::span<const LeafKey> leaves, Change change) {
-    for (const LeafKey& key : leaves) changes.emplace_back(mortonCode(key.x, key.y, key.z), change);
+    for (const LeafKey& key : leaves) changes.emplace_back(mortonCode(key), change);
   };
   for (const ChangedRegion& region : difference.appeared) note(region.leaves, kAppeared);
   for (const ChangedRegion& region : difference.gone) note(region.leaves, kGone);

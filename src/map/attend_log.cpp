@@ -1,43 +1,28 @@
 #include "saccade/map/attend_log.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <stdexcept>
 #include <string>
 
-#include "map/endpoint_leaves.hpp"
+#include "saccade/map/morton_code.hpp"
 
 namespace saccade {
 namespace {
 
-std::uint32_t gather(std::uint64_t code) {
-  code &= 0x1249249249249249;
-  code = (code | code >> 2) & 0x10C30C30C30C30C3;
-  code = (code | code >> 4) & 0x100F00F00F00F00F;
-  code = (code | code >> 8) & 0x1F0000FF0000FF;
-  code = (code | code >> 16) & 0x1F00000000FFFF;
-  return static_cast<std::uint32_t>(code | code >> 32) & 0x1FFFFFu;
-}
+/// Leaves of one block of the index: 4 x 4 x 4.
+constexpr unsigned kBlockBits = 6;
+constexpr std::uint64_t kInBlock = (1u << kBlockBits) - 1;
+/// Blocks of the index that come in one piece, so that it grows without being copied.
+constexpr std::size_t kPieceBlocks = 256;
 
-std::uint64_t codeOf(LeafKey key) {
-  return mortonCode(key.x, key.y, key.z);
-}
-
-LeafKey keyOf(std::uint64_t code) {
-  return {static_cast<std::uint16_t>(gather(code)), static_cast<std::uint16_t>(gather(code >> 1)),
-          static_cast<std::uint16_t>(gather(code >> 2))};
+std::size_t hashOf(std::uint64_t block) {
+  const std::uint64_t h = block * 0x9E3779B97F4A7C15ull;
+  return static_cast<std::size_t>(h ^ (h >> 29));
 }
 
 void putVarint(std::vector<std::uint8_t>& out, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) out.push_back(static_cast<std::uint8_t>(value | 0x80));
   out.push_back(static_cast<std::uint8_t>(value));
-}
-
-std::vector<LeafKey> distinct(std::span<const LeafKey> leaves) {
-  std::vector<LeafKey> keys(leaves.begin(), leaves.end());
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  return keys;
 }
 
 }  // namespace
@@ -64,42 +49,54 @@ void AttendLog::record(const TickEvents& events, std::span<const CandidateLeaves
   }
   const auto begin = static_cast<std::uint32_t>(candidates_.size());
   for (const CandidateLeaves& candidate : candidates) {
-    codes_.clear();
-    for (const LeafKey& key : candidate.leaves) codes_.push_back(codeOf(key));
-    std::sort(codes_.begin(), codes_.end());
-    codes_.erase(std::unique(codes_.begin(), codes_.end()), codes_.end());
+    listCodes(candidate.leaves);
     candidates_.push_back({candidate.rank, static_cast<std::uint32_t>(codes_.size()),
                            codes_.empty() ? 1 : codes_.front(), codes_.empty() ? 0 : codes_.back(), bytes_.size()});
     std::uint64_t last = 0;
     for (const std::uint64_t code : codes_) {
       putVarint(bytes_, code - last);
       last = code;
-      noteFirst(keyOf(code).packed(), events.tick);
     }
+    noteFirst(events.tick);
   }
   ticks_.push_back({events, begin, static_cast<std::uint32_t>(candidates_.size())});
 }
 
-double AttendLog::revisitedShare(std::span<const LeafKey> leaves, Tick before) const {
-  const std::vector<LeafKey> keys = distinct(leaves);
-  if (keys.empty()) return 0.0;
-  const auto revisited = std::count_if(keys.begin(), keys.end(), [&](const LeafKey& key) {
-    const FirstTick* first = findFirst(key.packed());
-    return first != nullptr && first->tick < before.value;
-  });
-  return static_cast<double>(revisited) / static_cast<double>(keys.size());
+/// Makes codes_ of the leaves: sorted, each once.
+void AttendLog::listCodes(std::span<const LeafKey> leaves) {
+  codes_.clear();
+  for (const LeafKey& key : leaves) codes_.push_back(mortonCode(key));
+  if (!std::is_sorted(codes_.begin(), codes_.end())) std::sort(codes_.begin(), codes_.end());
+  codes_.erase(std::unique(codes_.begin(), codes_.end()), codes_.end());
 }
 
-bool AttendLog::anyAttendedBefore(std::span<const LeafKey> leaves, Tick before) const {
-  return std::any_of(leaves.begin(), leaves.end(), [&](const LeafKey& key) {
-    const FirstTick* first = findFirst(key.packed());
-    return first != nullptr && first->tick < before.value;
-  });
+double AttendLog::revisitedShare(std::span<const LeafKey> leaves, Tick before) const {
+  const auto rises = [](const LeafKey& a, const LeafKey& b) { return mortonCode(a) < mortonCode(b); };
+  const auto repeats = [&](const LeafKey& a, const LeafKey& b) { return !rises(a, b); };
+  std::vector<LeafKey> ordered;
+  if (std::adjacent_find(leaves.begin(), leaves.end(), repeats) != leaves.end()) {
+    ordered.assign(leaves.begin(), leaves.end());
+    std::sort(ordered.begin(), ordered.end(), rises);
+    ordered.erase(std::unique(ordered.begin(), ordered.end()), ordered.end());
+    leaves = ordered;
+  }
+  if (leaves.empty()) return 0.0;
+  std::size_t revisited = 0;
+  const BlockTicks* block = nullptr;
+  std::uint64_t last = ~std::uint64_t{0};
+  for (const LeafKey& key : leaves) {
+    const std::uint64_t code = mortonCode(key);
+    if (code >> kBlockBits != last) block = findBlock(last = code >> kBlockBits);
+    if (block == nullptr) continue;
+    const std::uint32_t first_plus_one = (*block)[code & kInBlock];
+    revisited += static_cast<std::size_t>(first_plus_one != 0 && first_plus_one <= before.value);
+  }
+  return static_cast<double>(revisited) / static_cast<double>(leaves.size());
 }
 
 std::vector<AttendedBy> AttendLog::attentionsOf(LeafKey leaf) const {
   std::vector<AttendedBy> answer;
-  const std::uint64_t wanted = codeOf(leaf);
+  const std::uint64_t wanted = mortonCode(leaf);
   for (const TickEntry& tick : ticks_) {
     for (std::uint32_t c = tick.begin; c < tick.end; ++c) {
       const CandidateEntry& entry = candidates_[c];
@@ -118,7 +115,8 @@ int AttendLog::rank(std::size_t i, std::size_t candidate) const {
 
 std::vector<LeafKey> AttendLog::leaves(std::size_t i, std::size_t candidate) const {
   std::vector<LeafKey> keys;
-  visitCodes(candidates_[ticks_[i].begin + candidate], [&](std::uint64_t code) { keys.push_back(keyOf(code)); });
+  visitCodes(candidates_[ticks_[i].begin + candidate],
+             [&](std::uint64_t code) { keys.push_back(keyOfMortonCode(code)); });
   return keys;
 }
 
@@ -128,33 +126,57 @@ std::size_t AttendLog::memoryBytes() const {
     events += (tick.events.flags_on.capacity() + tick.events.forgotten.capacity()) * sizeof(LeafKey);
   }
   return sizeof(*this) + events + ticks_.capacity() * sizeof(TickEntry) +
-         candidates_.capacity() * sizeof(CandidateEntry) + bytes_.capacity() + first_.capacity() * sizeof(FirstTick);
+         candidates_.capacity() * sizeof(CandidateEntry) + bytes_.capacity() + slots_.capacity() * sizeof(Slot) +
+         pieces_.size() * kPieceBlocks * sizeof(BlockTicks);
 }
 
-const AttendLog::FirstTick* AttendLog::findFirst(std::uint64_t packed) const {
-  if (first_.empty()) return nullptr;
-  const std::size_t mask = first_.size() - 1;
-  for (std::size_t i = std::hash<LeafKey>{}(LeafKey::fromPacked(packed)) & mask;; i = (i + 1) & mask) {
-    if (first_[i].key_plus_one == packed + 1) return &first_[i];
-    if (first_[i].key_plus_one == 0) return nullptr;
+AttendLog::BlockTicks& AttendLog::blockAt(std::uint32_t number) const {
+  return pieces_[number / kPieceBlocks][number % kPieceBlocks];
+}
+
+AttendLog::BlockTicks* AttendLog::findBlock(std::uint64_t block) const {
+  if (slots_.empty()) return nullptr;
+  const std::size_t mask = slots_.size() - 1;
+  for (std::size_t i = hashOf(block) & mask; slots_[i].block_plus_one != 0; i = (i + 1) & mask) {
+    if (slots_[i].block_plus_one == block + 1) return &blockAt(slots_[i].number);
   }
+  return nullptr;
 }
 
-void AttendLog::noteFirst(std::uint64_t packed, Tick tick) {
-  if (2 * (first_count_ + 1) > first_.size()) {
-    std::vector<FirstTick> old(std::max<std::size_t>(1024, 2 * first_.size()));
-    old.swap(first_);
-    first_count_ = 0;
-    for (const FirstTick& slot : old) {
-      if (slot.key_plus_one != 0) noteFirst(slot.key_plus_one - 1, Tick{slot.tick});
+AttendLog::BlockTicks& AttendLog::addBlock(std::uint64_t block) {
+  const auto insert = [this](Slot slot) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t i = hashOf(slot.block_plus_one - 1) & mask;
+    while (slots_[i].block_plus_one != 0) i = (i + 1) & mask;
+    slots_[i] = slot;
+  };
+  if (2 * (block_count_ + std::size_t{1}) > slots_.size()) {
+    std::vector<Slot> old(std::max<std::size_t>(1024, 2 * slots_.size()));
+    old.swap(slots_);
+    for (const Slot& slot : old) {
+      if (slot.block_plus_one != 0) insert(slot);
     }
   }
-  const std::size_t mask = first_.size() - 1;
-  std::size_t i = std::hash<LeafKey>{}(LeafKey::fromPacked(packed)) & mask;
-  while (first_[i].key_plus_one != 0 && first_[i].key_plus_one != packed + 1) i = (i + 1) & mask;
-  if (first_[i].key_plus_one != 0) return;  // ticks rise, so the one that is there is earlier
-  first_[i] = {packed + 1, tick.value};
-  ++first_count_;
+  insert({block + 1, block_count_});
+  if (block_count_ % kPieceBlocks == 0) pieces_.push_back(std::make_unique<BlockTicks[]>(kPieceBlocks));
+  return blockAt(block_count_++);
+}
+
+/// Notes when the leaves of codes_ were attended for the first time, where they were not before.
+void AttendLog::noteFirst(Tick tick) {
+  BlockTicks* block = nullptr;
+  std::uint64_t last = ~std::uint64_t{0};
+  for (const std::uint64_t code : codes_) {
+    if (code >> kBlockBits != last) {
+      last = code >> kBlockBits;
+      block = findBlock(last);
+      if (block == nullptr) block = &addBlock(last);
+    }
+    std::uint32_t& first = (*block)[code & kInBlock];
+    if (first != 0) continue;  // ticks rise, so the one that is there is earlier
+    first = tick.value + 1;
+    ++first_count_;
+  }
 }
 
 }  // namespace saccade

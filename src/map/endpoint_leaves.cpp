@@ -46,20 +46,7 @@ SACCADE_MULTIVERSION void placeRow(const float* depth, int width, const float* o
   }
 }
 
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1FFFFF;
-  x = (x | x << 32) & 0x1F00000000FFFF;
-  x = (x | x << 16) & 0x1F0000FF0000FF;
-  x = (x | x << 8) & 0x100F00F00F00F00F;
-  x = (x | x << 4) & 0x10C30C30C30C30C3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
 }  // namespace
-
-std::uint64_t mortonCode(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  return spread(x) | spread(y) << 1 | spread(z) << 2;
-}
 
 FrameCube FrameCube::around(const Eigen::Vector3d& position_m, double reach_m, double leaf_size_m) {
   FrameCube cube;
@@ -92,7 +79,7 @@ void EndpointLeaves::collect(const WorkingDepth& depth, const PinholeCamera& cam
     placeRow(depth.row(v), width, cube.camera_leaves.data(), start.data(), step.data(), places_.data());
     addRow(width, normals_C.empty() ? nullptr : normals_C[v], color.empty() ? nullptr : color[v]);
   }
-  sortCodes(3 * (cube.block_bits + 1));
+  sortByMortonCode(codes_, sorted_, 3 * (cube.block_bits + 1));
   merge();
 }
 
@@ -135,35 +122,16 @@ EndpointLeaves::Seen* EndpointLeaves::find(std::uint64_t place, const cv::Vec3f*
   return &seen_[cached.seen];
 }
 
-void EndpointLeaves::sortCodes(int bits) {
-  // Radix sort, least digit first: stable, so that equal codes stay in raster order and the merge is deterministic.
-  constexpr int kDigitBits = 12;
-  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-  sorted_.resize(codes_.size());
-  for (int shift = 0; shift < bits; shift += kDigitBits) {
-    std::array<std::uint32_t, kDigits> start{};
-    for (const Coded& coded : codes_) ++start[coded.code >> shift & (kDigits - 1)];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& s : start) {
-      const std::uint32_t n = s;
-      s = sum;
-      sum += n;
-    }
-    for (const Coded& coded : codes_) sorted_[start[coded.code >> shift & (kDigits - 1)]++] = coded;
-    std::swap(codes_, sorted_);
-  }
-}
-
 /// Brings what was seen into the order of the codes, one endpoint for all that have the same.
 void EndpointLeaves::merge() {
   endpoints_.clear();
   for (std::vector<float>& centres : centres_) centres.clear();
   for (std::size_t i = 0; i < codes_.size();) {
-    if (i + kPrefetched < codes_.size()) __builtin_prefetch(&seen_[codes_[i + kPrefetched].seen]);
+    if (i + kPrefetched < codes_.size()) __builtin_prefetch(&seen_[codes_[i + kPrefetched].index]);
     const std::uint64_t code = codes_[i].code;
-    Seen& together = seen_[codes_[i].seen];
+    Seen& together = seen_[codes_[i].index];
     for (++i; i < codes_.size() && codes_[i].code == code; ++i) {
-      const Seen& more = seen_[codes_[i].seen];
+      const Seen& more = seen_[codes_[i].index];
       together.blue += more.blue;
       together.green += more.green;
       together.red += more.red;

@@ -10,6 +10,7 @@
 
 #include "map/working_depth.hpp"
 #include "saccade/core/camera.hpp"
+#include "saccade/map/morton_code.hpp"
 
 namespace saccade {
 
@@ -25,9 +26,6 @@ struct FrameCube {
   /// Cube for a camera at `position_m` that sees no farther than `reach_m` (along the ray).
   static FrameCube around(const Eigen::Vector3d& position_m, double reach_m, double leaf_size_m);
 };
-
-/// Interleaves the low 21 bits of x, y and z, x lowest: sorting by it is the order of OctoMap's children.
-[[nodiscard]] std::uint64_t mortonCode(std::uint32_t x, std::uint32_t y, std::uint32_t z);
 
 /// The different leaves that one frame's points fall into, in Morton order, with what was seen there.
 class EndpointLeaves {
@@ -59,10 +57,6 @@ class EndpointLeaves {
     std::array<float, 3> normal_C{};
     std::uint64_t place = 0;  // x | y << 21 | z << 42 from the cube's base
   };
-  struct Coded {
-    std::uint64_t code;
-    std::uint32_t seen;
-  };
   struct Cached {
     std::uint64_t place = ~std::uint64_t{0};
     std::uint32_t seen = 0;
@@ -71,12 +65,11 @@ class EndpointLeaves {
 
   void addRow(int width, const cv::Vec3f* normals_C, const cv::Vec3b* color);
   Seen* find(std::uint64_t place, const cv::Vec3f* normal_C);
-  void sortCodes(int bits);
   void merge();
   void append(std::uint64_t code, const Seen& seen);
 
   FrameCube cube_;
-  std::vector<Coded> codes_, sorted_;
+  std::vector<MortonCoded> codes_, sorted_;
   std::vector<Seen> seen_;
   std::vector<Cached> cache_;
   std::vector<std::uint64_t> places_;  // one row

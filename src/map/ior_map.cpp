@@ -6,6 +6,7 @@
 #include <string>
 
 #include "map/frame_integrator.hpp"
+#include "map/leaf_attention.hpp"
 #include "saccade/map/ior_octree.hpp"
 
 namespace saccade {
@@ -20,10 +21,6 @@ void requireSize(const char* name, const cv::Size& found, const PinholeCamera& c
   if (found == expected) return;
   throw std::invalid_argument(std::string(name) + " image is " + sizeText(found) + ", the camera " +
                               sizeText(expected));
-}
-
-octomap::OcTreeKey toOcTreeKey(LeafKey key) {
-  return {key.x, key.y, key.z};
 }
 
 template <typename Visit>
@@ -56,6 +53,7 @@ IorMap::IorMap(const Config& config) : config_(config) {
   tree_->setClampingThresMin(config_.lowest_probability);
   tree_->setClampingThresMax(config_.highest_probability);
   integrator_ = std::make_unique<FrameIntegrator>(config_);
+  attention_ = std::make_unique<LeafAttention>(config_);
 }
 
 IorMap::~IorMap() = default;
@@ -71,43 +69,9 @@ IntegrationReport IorMap::integrate(const DepthMaps& depth, const cv::Mat3b& col
   return integrator_->integrate(*tree_, depth, color, T_WC);
 }
 
-/// Makes attended_keys_ of `keys`: each once, or each of the eight leaves of their blocks once.
-void IorMap::listAttended(std::span<const LeafKey> keys) {
-  constexpr std::uint64_t kX = std::uint64_t{1} << 32, kY = std::uint64_t{1} << 16, kZ = 1;
-  const std::uint64_t kept = config_.attend_blocks ? ~(kX | kY | kZ) : ~std::uint64_t{0};
-  attended_keys_.clear();
-  for (const LeafKey& key : keys) attended_keys_.push_back(key.packed() & kept);
-  std::sort(attended_keys_.begin(), attended_keys_.end());
-  attended_keys_.erase(std::unique(attended_keys_.begin(), attended_keys_.end()), attended_keys_.end());
-  if (!config_.attend_blocks) return;
-  const std::size_t blocks = attended_keys_.size();
-  attended_keys_.reserve(8 * blocks);
-  for (const std::uint64_t offset : {kZ, kY, kY | kZ, kX, kX | kZ, kX | kY, kX | kY | kZ}) {
-    for (std::size_t i = 0; i < blocks; ++i) attended_keys_.push_back(attended_keys_[i] | offset);
-  }
-  std::sort(attended_keys_.begin(), attended_keys_.end());
-}
-
 AttentionReport IorMap::attend(std::span<const LeafKey> keys) {
-  AttentionReport report;
   const Tick now = tree_->now();
-  report.tick = now;
-  listAttended(keys);
-
-  for (const std::uint64_t packed : attended_keys_) {
-    const LeafKey key = LeafKey::fromPacked(packed);
-    const octomap::OcTreeKey tree_key = toOcTreeKey(key);
-    const IorOcTreeNode* known = tree_->search(tree_key);
-    if (known == nullptr || !tree_->isNodeOccupied(known)) {
-      ++report.missing;
-      continue;
-    }
-    const bool was_inhibited = inhibited(known->ior(), now);
-    const IorState after = saccade::attend(known->ior(), now, config_.ior);
-    tree_->rememberAttention(tree_key, after);
-    ++report.attended;
-    if (!was_inhibited && after.flag()) report.flags_on.push_back(key);
-  }
+  AttentionReport report = attention_->attend(*tree_, keys);
   tree_->setNow(Tick{now.value + 1});
   return report;
 }

@@ -20,12 +20,6 @@ namespace {
 /// Stands for log-odds of 0, with the sign of the update that led there: too small to matter, and not 0.
 constexpr float kNearlyZero = 1e-6f;
 
-/// "An inhibited leaf may be below, until this tick": the later one of two.
-IorState laterInhibition(IorState a, IorState b) {
-  if (!b.flag()) return a;
-  return !a.flag() || a.expiry() < b.expiry() ? b : a;
-}
-
 bool equalLeaves(const IorOcTreeNode& a, Tick now_a, const IorOcTreeNode& b, Tick now_b) {
   return a.getLogOdds() == b.getLogOdds() && remembered(a.ior(), now_a) == remembered(b.ior(), now_b) &&
          a.surface() == b.surface();
@@ -76,6 +70,11 @@ void IorOcTreeNode::updateOccupancyChildren() {
   value = largest;
   ior_ = inhibition;
   markChanged();  // whoever changed something below has to call this
+}
+
+void IorOcTreeNode::noteAttentionBelow(IorState latest) {
+  ior_ = laterInhibition(ior_, latest);
+  markChanged();
 }
 
 std::istream& IorOcTreeNode::readData(std::istream& s) {
@@ -186,18 +185,6 @@ IorOcTreeNode* IorOcTree::findFinestLeaf(const octomap::OcTreeKey& key) {
     node = node->child(i);
   }
   return node;
-}
-
-void IorOcTree::rememberAttention(const octomap::OcTreeKey& key, IorState ior) {
-  IorOcTreeNode* leaf = findFinestLeaf(key);
-  if (leaf == nullptr) return;
-  leaf->ior_ = ior;
-  IorOcTreeNode* node = root;
-  for (int level = static_cast<int>(tree_depth) - 1; level >= 0; --level) {
-    node->ior_ = laterInhibition(node->ior_, ior);
-    node->markChanged();
-    node = node->child(octomap::computeChildIdx(key, level));
-  }
 }
 
 IorOcTreeNode* IorOcTree::ensureRoot() {

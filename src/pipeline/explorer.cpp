@@ -79,8 +79,10 @@ struct Explorer::Stages {
   MapPager* pager = nullptr;
 
   ModelView model;
-  std::vector<LeafKey> forgotten;  ///< leaves that this frame's integration freed
-  StageClock surface_clock;        ///< of what is done to the surface volume beside the rest
+  std::vector<LeafKey> forgotten;                     ///< leaves that this frame's integration freed
+  std::vector<std::vector<LeafKey>> attended_leaves;  ///< recycled: leaves by candidate, and their union
+  std::vector<LeafKey> together;
+  StageClock surface_clock;  ///< of what is done to the surface volume beside the rest
 
   void bringBack(const Pose& T_WC);
   Tracking track(const DepthMaps& depth, double stamp_s, StageClock& clock);
@@ -160,18 +162,19 @@ bool Explorer::Stages::becomesKeyframe(const FrameLook& look, const Tracking& tr
 /// Attends the leaves that the masks of the best candidates show, which closes the tick (paper, "3D IOR map update").
 void Explorer::Stages::attend(FrameReport& report) {
   const Tick closing = map.now();
-  std::vector<std::vector<LeafKey>> leaves(report.attended);
+  if (attended_leaves.size() < report.attended) attended_leaves.resize(report.attended);
   std::vector<CandidateLeaves> logged;
-  std::vector<LeafKey> together;
+  projector.begin(*report.ior);
   for (std::size_t rank = 0; rank < report.attended; ++rank) {
-    projector.begin(*report.ior);
+    std::vector<LeafKey>& leaves = attended_leaves[rank];
+    projector.beginMask();
     forEachMaskRun(report.open[rank], *report.seen,
                    [&](int v, int begin_u, int end_u) { projector.addRun(v, begin_u, end_u); });
-    leaves[rank] = projector.keys();
-    report.revisited_share.push_back(log.revisitedShare(leaves[rank], closing));
-    logged.push_back({static_cast<int>(rank), leaves[rank]});
-    together.insert(together.end(), leaves[rank].begin(), leaves[rank].end());
+    projector.keys(leaves);
+    report.revisited_share.push_back(log.revisitedShare(leaves, closing));
+    logged.push_back({static_cast<int>(rank), leaves});
   }
+  projector.allKeys(together);
   AttentionReport attention = map.attend(together);
   log.record({closing, report.index, std::move(attention.flags_on), std::move(forgotten)}, logged);
   forgotten.clear();

@@ -1,6 +1,6 @@
 #include "saccade/rendering/back_project.hpp"
 
-#include <algorithm>
+#include <bit>
 #include <stdexcept>
 #include <string>
 
@@ -16,7 +16,25 @@ std::string sizeText(const cv::Size& size) {
 
 void BackProjector::begin(const IorView& view) {
   view_ = &view;
-  seen_.assign(view.leaves.size(), 0);
+  order_.clear();
+  std::uint64_t differing = 0;
+  for (const VisibleLeaf& leaf : view.leaves) {
+    order_.push_back({mortonCode(leaf.key), static_cast<std::uint32_t>(order_.size())});
+    differing |= order_.back().code ^ order_.front().code;
+  }
+  sortByMortonCode(order_, sorting_, static_cast<int>(std::bit_width(differing)));
+  place_.resize(order_.size());
+  for (std::size_t place = 0; place < order_.size(); ++place) {
+    place_[order_[place].index] = static_cast<std::uint32_t>(place);
+  }
+  for (Bits* bits : {&of_mask_, &of_masks_before_}) bits->assign((order_.size() + 63) / 64, 0);
+}
+
+void BackProjector::beginMask() {
+  for (std::size_t i = 0; i < of_mask_.size(); ++i) {
+    of_masks_before_[i] |= of_mask_[i];
+    of_mask_[i] = 0;
+  }
 }
 
 void BackProjector::requireSize(const cv::Size& size) const {
@@ -64,20 +82,30 @@ void BackProjector::addSegments(const cv::Mat1i& labels, std::span<const std::ui
   }
 }
 
-const std::vector<LeafKey>& BackProjector::keys() {
-  keys_.clear();
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    if (seen_[i] != 0) keys_.push_back(view_->leaves[i].key);
+void BackProjector::keys(std::vector<LeafKey>& keys) const {
+  keys.clear();
+  for (std::size_t i = 0; i < of_mask_.size(); ++i) appendKeys(i, of_mask_[i], keys);
+}
+
+void BackProjector::allKeys(std::vector<LeafKey>& keys) const {
+  keys.clear();
+  for (std::size_t i = 0; i < of_mask_.size(); ++i) appendKeys(i, of_mask_[i] | of_masks_before_[i], keys);
+}
+
+void BackProjector::appendKeys(std::size_t word, std::uint64_t bits, std::vector<LeafKey>& keys) const {
+  for (; bits != 0; bits &= bits - 1) {
+    const std::size_t place = 64 * word + static_cast<std::size_t>(std::countr_zero(bits));
+    keys.push_back(view_->leaves[order_[place].index].key);
   }
-  std::sort(keys_.begin(), keys_.end());
-  return keys_;
 }
 
 std::vector<LeafKey> backProject(std::span<const cv::Mat1b> masks, const IorView& view) {
   BackProjector projector;
   projector.begin(view);
   for (const cv::Mat1b& mask : masks) projector.addMask(mask);
-  return projector.keys();
+  std::vector<LeafKey> keys;
+  projector.keys(keys);
+  return keys;
 }
 
 }  // namespace saccade

@@ -20,8 +20,8 @@ Images findImages(const std::filesystem::path& folder) {
   Images images;
   std::map<std::int64_t, std::filesystem::path> others;
   for (const auto& [name, path] : imagesByName(folder)) {
-    const auto stemBefore = [&name](const char* ending) {
-      return name.substr(0, name.size() - std::string(ending).size());
+    const auto stemBefore = [&file_name = name](const char* ending) {
+      return file_name.substr(0, file_name.size() - std::string(ending).size());
     };
     if (name.ends_with("-color")) {
       images.version = Version::kTwo;

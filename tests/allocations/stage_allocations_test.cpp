@@ -15,6 +15,7 @@
 #include "saccade/discovery/perceiver.hpp"
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/surface_volume.hpp"
+#include "saccade/rendering/back_project.hpp"
 #include "saccade/rendering/renderer.hpp"
 #include "saccade/sources/frame_source.hpp"
 #include "saccade/tracking/tracker.hpp"
@@ -131,6 +132,32 @@ TEST(Allocations, TheMapAndItsViewTakeNone) {
   Renderer renderer;
   EXPECT_EQ(mostAllocations([&](const Frame& f) { (void)map.integrate(f.depth, f.color, f.T_WC); }), 0u);
   EXPECT_EQ(mostAllocations([&](const Frame& f) { (void)renderer.renderIor(map.view(), desk().camera, f.T_WC); }), 0u);
+}
+
+TEST(Allocations, AttendingWhatMasksShowTakesNone) {
+  IorMapConfig config;
+  config.ior.ior_limit = 1000;  // the list of flags that go on is handed over, and none may
+  IorMap map(config);
+  for (const auto& frame : desk().frames) map.integrate(frame->depth, frame->color, frame->T_WC);
+  std::vector<IorView> views;
+  Renderer renderer;
+  for (const auto& frame : desk().frames) {
+    views.push_back(cloneView(renderer.renderIor(map.view(), desk().camera, frame->T_WC)));
+  }
+  BackProjector projector;
+  std::vector<LeafKey> of_mask, of_all;
+  std::size_t next = 0;
+  EXPECT_EQ(mostAllocations([&](const Frame&) {
+              projector.begin(views[next++ % views.size()]);
+              for (int mask = 0; mask < 3; ++mask) {
+                projector.beginMask();
+                for (int v = 100 * mask; v < 100 * mask + 150; ++v) projector.addRun(v, 50, 300);
+                projector.keys(of_mask);
+              }
+              projector.allKeys(of_all);
+              EXPECT_GT(map.attend(of_all).attended, 1000);
+            }),
+            0u);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -36,7 +38,8 @@ struct AttendedBy {
 /// Record of every attention: what `why` and the revisit rate are answered from (DESIGN, "The IOR law").
 ///
 /// Kept in memory as differences of sorted keys, one to three bytes a leaf, and an index of the first tick of each leaf
-/// ever attended. It only grows. One writer, or any number of readers.
+/// ever attended, by blocks of 4 x 4 x 4 leaves: those of a candidate lie close together. It only grows. One writer, or
+/// any number of readers; leaves in Morton order are recorded and asked for fastest.
 class AttendLog {
  public:
   /// Adds one tick; ticks must rise. The leaves of a candidate may come in any order and repeated.
@@ -46,8 +49,6 @@ class AttendLog {
   /// Share of the different `leaves` that were attended at any tick before `before`, 0..1; 0 for no leaves. A candidate
   /// with 0.5 or more is a revisit.
   [[nodiscard]] double revisitedShare(std::span<const LeafKey> leaves, Tick before) const;
-  /// Whether any of `leaves` was attended at a tick before `before`.
-  [[nodiscard]] bool anyAttendedBefore(std::span<const LeafKey> leaves, Tick before) const;
   /// All attentions of a leaf, oldest first. Cost: passes over the log, skipping candidates that lie elsewhere.
   [[nodiscard]] std::vector<AttendedBy> attentionsOf(LeafKey leaf) const;
 
@@ -74,20 +75,26 @@ class AttendLog {
     std::uint64_t lowest, highest;  // Morton codes
     std::uint64_t begin;            // in bytes_
   };
-  struct FirstTick {
-    std::uint64_t key_plus_one = 0;  // 0: empty slot
-    std::uint32_t tick = 0;
+  using BlockTicks = std::array<std::uint32_t, 64>;  // 1 + the first tick of each leaf; 0: never attended
+  struct Slot {
+    std::uint64_t block_plus_one = 0;  // Morton code of the block; 0: empty slot
+    std::uint32_t number = 0;          // of the block, in the order in which they came
   };
 
   template <typename Visit>
   void visitCodes(const CandidateEntry& entry, const Visit& visit) const;
-  [[nodiscard]] const FirstTick* findFirst(std::uint64_t packed) const;
-  void noteFirst(std::uint64_t packed, Tick tick);
+  void listCodes(std::span<const LeafKey> leaves);
+  void noteFirst(Tick tick);
+  [[nodiscard]] BlockTicks& blockAt(std::uint32_t number) const;
+  [[nodiscard]] BlockTicks* findBlock(std::uint64_t block) const;
+  BlockTicks& addBlock(std::uint64_t block);
 
   std::vector<TickEntry> ticks_;
   std::vector<CandidateEntry> candidates_;
   std::vector<std::uint8_t> bytes_;
-  std::vector<FirstTick> first_;  // open addressing, a power of two
+  std::vector<Slot> slots_;  // open addressing, a power of two
+  std::vector<std::unique_ptr<BlockTicks[]>> pieces_;
+  std::uint32_t block_count_ = 0;
   std::size_t first_count_ = 0;
   std::vector<std::uint64_t> codes_;  // scratch
 };

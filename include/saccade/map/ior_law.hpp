@@ -72,6 +72,12 @@ struct IorParameters {
   return state.expiry() > now.value ? state : IorState{};
 }
 
+/// Of two states the one that inhibits longer, a state without the flag not at all: what inner nodes hold.
+[[nodiscard]] constexpr IorState laterInhibition(IorState a, IorState b) {
+  if (!b.flag()) return a;
+  return !a.flag() || a.expiry() < b.expiry() ? b : a;
+}
+
 /// State after attending a leaf in the step `now` -> `now + 1`.
 ///
 /// A fractional mf gives a fractional weight in the paper; its life is the next whole number of ticks, which is what is

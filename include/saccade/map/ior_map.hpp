@@ -22,6 +22,7 @@ namespace saccade {
 
 class IorOcTree;
 class FrameIntegrator;
+class LeafAttention;
 
 /// Settings of the map: leaf, sensor model (OctoMap's defaults) and the IOR law.
 struct IorMapConfig {
@@ -61,7 +62,7 @@ struct AttentionReport {
   Tick tick;                      ///< the tick that was closed
   int attended = 0;               ///< different occupied leaves attended
   int missing = 0;                ///< different keys where the map holds no occupied leaf: nothing to remember there
-  std::vector<LeafKey> flags_on;  ///< leaves whose IOR flag went on, in the order of their keys
+  std::vector<LeafKey> flags_on;  ///< leaves whose IOR flag went on, in Morton order
 };
 
 /// One leaf as a value, for iteration.
@@ -98,8 +99,9 @@ class IorMap {
   /// is not finite.
   IntegrationReport integrate(const DepthMaps& depth, const cv::Mat3b& color, const Pose& T_WC);
 
-  /// Attends each of `keys` once, whatever their order and repetition, and closes the tick: now() is one later
-  /// (paper, "3D IOR map update"). Free and unknown leaves are left alone. An empty list lets a tick pass.
+  /// Attends each of `keys` once, whatever their order (Morton order is fastest) and repetition, and closes the tick:
+  /// now() is one later (paper, "3D IOR map update"). Free and unknown leaves are left alone. An empty list lets a tick
+  /// pass.
   ///
   /// With `attend_blocks` the occupied leaves of each block of 2x2x2 are attended together. A measured surface is a
   /// shell some leaves thick, of which every pose sees others; attended one by one, none of them would be looked at
@@ -139,12 +141,10 @@ class IorMap {
   void setNow(Tick now);
 
  private:
-  void listAttended(std::span<const LeafKey> keys);
-
   Config config_;
   std::unique_ptr<IorOcTree> tree_;
   std::unique_ptr<FrameIntegrator> integrator_;
-  std::vector<std::uint64_t> attended_keys_;  // scratch of attend()
+  std::unique_ptr<LeafAttention> attention_;
 };
 
 }  // namespace saccade

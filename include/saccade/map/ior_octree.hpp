@@ -53,6 +53,8 @@ class IorOcTreeNode : public octomap::OcTreeNode {
   void copyData(const IorOcTreeNode& from);
   /// Sets log-odds and IOR of an inner node from its children.
   void updateOccupancyChildren();
+  /// Tells an inner node that leaves below it were attended, `latest` of them the one that inhibits longest.
+  void noteAttentionBelow(IorState latest);
 
   /// `.ot` payload of a node: log-odds, IOR, surface; 16 bytes, little-endian.
   std::istream& readData(std::istream& s);
@@ -139,10 +141,6 @@ class IorOcTree : public octomap::OccupancyOcTreeBase<IorOcTreeNode> {
 
   /// The finest leaf at `key`, made by splitting a coarse one if need be; null where the map is unknown.
   [[nodiscard]] IorOcTreeNode* findFinestLeaf(const octomap::OcTreeKey& key);
-
-  /// Writes the memory of the known leaf at `key`, split to the finest depth, and what inner nodes above it hold.
-  /// An unknown key is left alone.
-  void rememberAttention(const octomap::OcTreeKey& key, IorState ior);
 
   /// Makes the root, as a leaf with log-odds 0, if there is none, and returns it.
   IorOcTreeNode* ensureRoot();

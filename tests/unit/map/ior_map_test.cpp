@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -196,8 +198,77 @@ TEST(IorMap, AttendsTheOccupiedLeavesOfABlockTogetherAndOnceATick) {
   for (const LeafKey& key : occupied) {
     EXPECT_EQ(weight(map.findLeaf(key)->ior, map.now()), sameBlock(key, first) ? 1u : 0u);
   }
-  std::sort(block.begin(), block.end());
   EXPECT_EQ(map.attend(std::vector<LeafKey>{first}).flags_on, block);
+}
+
+/// The law leaf by leaf, each looked for from the root: the slow twin of IorMap::attend().
+void attendOneByOne(IorMap& map, std::vector<LeafKey> keys, AttentionReport& report) {
+  if (map.config().attend_blocks) {
+    std::set<LeafKey> of_blocks;
+    for (const LeafKey& key : keys) {
+      for (unsigned i = 0; i < 8; ++i) {
+        const auto part = [](std::uint16_t k, unsigned upper) { return static_cast<std::uint16_t>((k & ~1u) | upper); };
+        of_blocks.insert({part(key.x, i & 1u), part(key.y, i >> 1 & 1u), part(key.z, i >> 2)});
+      }
+    }
+    keys.assign(of_blocks.begin(), of_blocks.end());
+  }
+  const std::set<LeafKey> different(keys.begin(), keys.end());
+  const Tick now = map.now();
+  for (const LeafKey& key : different) {
+    const auto known = map.findLeaf(key);
+    if (!known || !known->occupied) {
+      ++report.missing;
+      continue;
+    }
+    IorOcTreeNode* leaf = map.tree().findFinestLeaf({key.x, key.y, key.z});
+    leaf->setIor(attend(leaf->ior(), now, map.config().ior));
+    ++report.attended;
+    if (!inhibited(known->ior, now) && leaf->ior().flag()) report.flags_on.push_back(key);
+  }
+  map.tree().updateInnerNodes();
+  map.setNow(Tick{now.value + 1});
+}
+
+TEST(IorMap, AttendsAsOneThatLooksForEachLeafByItself) {
+  std::mt19937 random(7);
+  for (const bool blocks : {false, true}) {
+    IorMapConfig config = coarseConfig();
+    config.attend_blocks = blocks;
+    IorMap map(config), twin(config);
+    for (IorMap* m : {&map, &twin}) m->integrate(wall(1.02f), {}, Pose::Identity());
+    // An occupied leaf above the finest depth, which attention has to split.
+    for (IorMap* m : {&map, &twin}) {
+      for (std::uint16_t i = 0; i < 64; ++i) {
+        const auto from = [](int corner, int step) { return static_cast<std::uint16_t>(corner + step); };
+        m->tree().setNodeValue(octomap::OcTreeKey(from(32800, i & 3), from(32800, i >> 2 & 3), from(32800, i >> 4)),
+                               3.0f);
+      }
+    }
+    std::vector<LeafKey> some = occupiedKeys(map);
+    some.push_back({32801, 32802, 32803});
+    some.push_back({32768, 32768, 32770});  // free
+    some.push_back({1, 2, 3});              // unknown
+    int flags = 0;
+    for (int tick = 0; tick < 8; ++tick) {
+      std::vector<LeafKey> keys;
+      for (const LeafKey& key : some) {
+        for (auto times = random() % 3; times > 0; --times) keys.push_back(key);
+      }
+      std::shuffle(keys.begin(), keys.end(), random);
+      const AttentionReport report = map.attend(keys);
+      AttentionReport expected;
+      attendOneByOne(twin, keys, expected);
+      EXPECT_EQ(report.attended, expected.attended);
+      EXPECT_EQ(report.missing, expected.missing);
+      EXPECT_EQ(std::set(report.flags_on.begin(), report.flags_on.end()),
+                std::set(expected.flags_on.begin(), expected.flags_on.end()));
+      EXPECT_EQ(report.flags_on.size(), expected.flags_on.size());
+      EXPECT_TRUE(map.tree() == twin.tree());
+      flags += static_cast<int>(report.flags_on.size());
+    }
+    EXPECT_GT(flags, 100);
+  }
 }
 
 TEST(IorMap, EveryInnerNodeAboveAnInhibitedLeafSaysSo) {

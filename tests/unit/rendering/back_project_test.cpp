@@ -32,7 +32,15 @@ class BackProject : public testing::Test {
         if (mask(v, u) != 0 && key) keys.insert(*key);
       }
     }
-    return {keys.begin(), keys.end()};
+    std::vector<LeafKey> ordered(keys.begin(), keys.end());
+    std::sort(ordered.begin(), ordered.end(), comesBefore);
+    return ordered;
+  }
+  static bool comesBefore(const LeafKey& a, const LeafKey& b) { return mortonCode(a) < mortonCode(b); }
+  static std::vector<LeafKey> keysOf(const BackProjector& projector) {
+    std::vector<LeafKey> keys;
+    projector.keys(keys);
+    return keys;
   }
 
   std::mt19937 random_{5};
@@ -48,7 +56,7 @@ TEST_F(BackProject, GivesEachLeafOfTheUnionOfTheMasksOnce) {
   const std::vector<cv::Mat1b> masks = {left, right};
   const auto keys = backProject(masks, view_);
   EXPECT_EQ(keys, expected(cv::Mat1b(cv::Mat(left | right))));
-  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
+  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end(), comesBefore));
   EXPECT_GT(keys.size(), 50u);
 }
 
@@ -69,17 +77,34 @@ TEST_F(BackProject, GivesTheSameForMasksRunsAndSegments) {
   BackProjector by_segments;
   by_segments.begin(view_);
   by_segments.addSegments(labels, chosen, {20, 10, 50, 40});
-  EXPECT_EQ(by_runs.keys(), expected(mask));
-  EXPECT_EQ(by_segments.keys(), expected(mask));
+  EXPECT_EQ(keysOf(by_runs), expected(mask));
+  EXPECT_EQ(keysOf(by_segments), expected(mask));
+}
+
+TEST_F(BackProject, TellsTheLeavesOfEachMaskFromThoseOfAll) {
+  cv::Mat1b left(60, 80, std::uint8_t{0}), right = left.clone();
+  left(cv::Rect(5, 5, 40, 40)) = 255;
+  right(cv::Rect(30, 20, 45, 30)) = 1;
+  BackProjector projector;
+  projector.begin(view_);
+  projector.addMask(left);
+  EXPECT_EQ(keysOf(projector), expected(left));
+  projector.beginMask();
+  EXPECT_TRUE(keysOf(projector).empty());
+  projector.addMask(right);
+  EXPECT_EQ(keysOf(projector), expected(right));
+  std::vector<LeafKey> all;
+  projector.allKeys(all);
+  EXPECT_EQ(all, expected(cv::Mat1b(cv::Mat(left | right))));
 }
 
 TEST_F(BackProject, ForgetsWhatBelongedToTheViewBefore) {
   BackProjector projector;
   projector.begin(view_);
   projector.addMask(cv::Mat1b(60, 80, std::uint8_t{1}));
-  EXPECT_EQ(projector.keys().size(), view_.leaves.size());
+  EXPECT_EQ(keysOf(projector).size(), view_.leaves.size());
   projector.begin(view_);
-  EXPECT_TRUE(projector.keys().empty());
+  EXPECT_TRUE(keysOf(projector).empty());
 }
 
 TEST_F(BackProject, RefusesWhatDoesNotFitTheView) {
