@@ -72,6 +72,17 @@ CandidateMeasurer::CandidateMeasurer(FeatureConfig config) : config_(config) {
 }
 
 void CandidateMeasurer::measure(std::span<Candidate> candidates, const Perception& seen) {
+  measureAllButConvexity(candidates, seen);
+  for (Candidate& candidate : candidates) {
+    if (candidate.has_depth) measureConvexity(candidate, seen);
+  }
+}
+
+void CandidateMeasurer::measureConvexity(Candidate& candidate, const Perception& seen) {
+  candidate.features[kFeatureConvexity] = static_cast<float>(convexity(candidate, seen.table(candidate.source)));
+}
+
+void CandidateMeasurer::measureAllButConvexity(std::span<Candidate> candidates, const Perception& seen) {
   surface_structure_.assign(static_cast<std::size_t>(seen.surface_segments.count()), 0.0);
   for (std::int32_t i = 0; i < seen.surface_segments.count(); ++i) {
     if (seen.planes.planeOf(i) != SupportPlanes::kNoPlane) surface_structure_[static_cast<std::size_t>(i)] = 1.0;
@@ -107,7 +118,6 @@ void CandidateMeasurer::measureOne(Candidate& candidate, const Perception& seen)
   features[kFeatureSaliency] = static_cast<float>(sums.saliency / area);
   features[kFeaturePerimeter] = static_cast<float>(perimeter / image_area);
   if (candidate.has_depth) {
-    features[kFeatureConvexity] = static_cast<float>(convexity(candidate, table));
     features[kFeatureDepth] = static_cast<float>(sums.vertex[2] / sums.depth_count / config_.max_range_m);
   }
   candidate.cues[kCueAgreement] = static_cast<float>(std::log1p(candidate.unions));

@@ -7,17 +7,35 @@
 namespace saccade {
 namespace {
 
-std::vector<int> inhibitedPixels(const Segmentation& segmentation, const cv::Mat1b& ior) {
-  std::vector<int> pixels(static_cast<std::size_t>(segmentation.count), 0);
-  if (segmentation.count == 0) return pixels;
-  for (int v = 0; v < ior.rows; ++v) {
-    const std::uint8_t* white = ior[v];
-    const int* labels = segmentation.labels[v];
-    for (int u = 0; u < ior.cols; ++u) {
-      if (white[u] != 0 && labels[u] >= 0) ++pixels[static_cast<std::size_t>(labels[u])];
+/// White pixels of each segment: those of a run are the difference of two sums along the row.
+std::vector<int> inhibitedPixels(const LabelRuns& runs, const cv::Mat1i& white_before) {
+  std::vector<int> pixels(static_cast<std::size_t>(runs.segments()), 0);
+  for (int v = 0; v < runs.rows(); ++v) {
+    const int* before = white_before[v];
+    if (before[white_before.cols - 1] == 0) continue;
+    int begin = 0;
+    for (const LabelRun& run : runs.row(v)) {
+      if (run.label >= 0) pixels[static_cast<std::size_t>(run.label)] += before[run.end_u] - before[begin];
+      begin = run.end_u;
     }
   }
   return pixels;
+}
+
+/// For each pixel, and the end of each row, how many white ones the row has before it.
+cv::Mat1i whiteBefore(const cv::Mat1b& ior) {
+  cv::Mat1i before(ior.rows, ior.cols + 1);
+  for (int v = 0; v < ior.rows; ++v) {
+    const std::uint8_t* white = ior[v];
+    int* counts = before[v];
+    int count = 0;
+    for (int u = 0; u < ior.cols; ++u) {
+      counts[u] = count;
+      count += white[u] != 0 ? 1 : 0;
+    }
+    counts[ior.cols] = count;
+  }
+  return before;
 }
 
 }  // namespace
@@ -34,7 +52,9 @@ InhibitionSplit withoutInhibited(Candidates pool, const Perception& seen, const 
                                 std::to_string(ior.rows) + " pixels, the frame " +
                                 std::to_string(seen.imageSize().width) + "x" + std::to_string(seen.imageSize().height));
   }
-  const std::vector<int> color = inhibitedPixels(seen.color, ior), surface = inhibitedPixels(seen.surface, ior);
+  const cv::Mat1i white_before = whiteBefore(ior);
+  const std::vector<int> color = inhibitedPixels(seen.color_segments.runs(), white_before),
+                         surface = inhibitedPixels(seen.surface_segments.runs(), white_before);
   for (Candidate& candidate : pool) {
     const std::vector<int>& pixels = candidate.source == CandidateSource::kColor ? color : surface;
     int white = 0;

@@ -110,37 +110,22 @@ class Pool {
   std::unordered_set<std::uint64_t> known_;
 };
 
-// For each pixel the column where its run of equal labels ends: blobs are then crossed run by run.
-cv::Mat1w runEnds(const cv::Mat1i& labels) {
-  cv::Mat1w ends(labels.size());
-  for (int v = 0; v < labels.rows; ++v) {
-    const int* row = labels[v];
-    std::uint16_t* end = ends[v];
-    for (int u = labels.cols - 1; u >= 0; --u) {
-      const bool is_last = u + 1 == labels.cols || row[u + 1] != row[u];
-      end[u] = is_last ? static_cast<std::uint16_t>(u + 1) : end[u + 1];
-    }
-  }
-  return ends;
-}
-
 // The paper's rule: a blob selects the segments of which it covers at least the share `overlap`.
 void addBlobUnions(const Perception& seen, CandidateSource source, double overlap, Pool& pool) {
-  const cv::Mat1i& labels = seen.segmentation(source).labels;
-  const cv::Mat1w ends = runEnds(labels);
   const SegmentTable& table = seen.table(source);
   std::vector<int> covered(static_cast<std::size_t>(table.count()), 0);
   std::vector<std::int32_t> touched, selected;
   for (const SalientBlob& blob : seen.blobs) {
     touched.clear();
     for (const PixelRun& run : blob.runs) {
-      const int* row = labels[run.row];
-      const std::uint16_t* end = ends[run.row];
-      for (int u = run.first_column; u < run.end_column;) {
-        const int label = row[u], next = std::min<int>(end[u], run.end_column);
-        if (label >= 0) {
-          int& pixels = covered[static_cast<std::size_t>(label)];
-          if (pixels == 0) touched.push_back(label);
+      const std::span<const LabelRun> row = table.runs().row(run.row);
+      auto labelled = std::upper_bound(row.begin(), row.end(), run.first_column,
+                                       [](int column, const LabelRun& other) { return column < other.end_u; });
+      for (int u = run.first_column; u < run.end_column; ++labelled) {
+        const int next = std::min(labelled->end_u, run.end_column);
+        if (labelled->label >= 0) {
+          int& pixels = covered[static_cast<std::size_t>(labelled->label)];
+          if (pixels == 0) touched.push_back(labelled->label);
           pixels += next - u;
         }
         u = next;

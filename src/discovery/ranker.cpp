@@ -163,10 +163,47 @@ Ranker::Ranker(RankingConfig config, RankerModel model)
       model_(std::move(model)),
       measurers_(kMeasuredParts, CandidateMeasurer(config.features)) {}
 
+/// Calls `work(measurer, candidates)` for each part of the candidates, on as many threads as are idle.
+template <typename Work>
+void forEachPart(std::span<Candidate> candidates, std::vector<CandidateMeasurer>& measurers, const Work& work) {
+  const std::size_t parts = measurers.size();
+  tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    const std::size_t begin = part * candidates.size() / parts, end = (part + 1) * candidates.size() / parts;
+    if (begin < end) work(measurers[part], candidates.subspan(begin, end - begin));
+  });
+}
+
+/// Leaves the candidates, measured but for their convexity, that score best with a mean one.
+void Ranker::keepPromising(Candidates& open) const {
+  const auto most = static_cast<std::size_t>(config_.max_convexities);
+  if (config_.paper || most == 0 || open.size() <= most) return;
+  const float mean_convexity = model_.judge(true).mean[kFeatureConvexity];
+  for (Candidate& candidate : open) {
+    if (candidate.has_depth) candidate.features[kFeatureConvexity] = mean_convexity;
+  }
+  model_.score(open);
+  std::vector<std::size_t> best(open.size());
+  std::iota(best.begin(), best.end(), std::size_t{0});
+  const auto cut = best.begin() + static_cast<std::ptrdiff_t>(most);
+  std::nth_element(best.begin(), cut, best.end(), [&open](std::size_t i, std::size_t j) {
+    return open[i].score != open[j].score ? open[i].score > open[j].score : i < j;
+  });
+  std::sort(best.begin(), cut);
+  for (std::size_t i = 0; i < most; ++i) {
+    if (best[i] != i) open[i] = std::move(open[best[i]]);
+  }
+  open.resize(most);
+}
+
 Candidates Ranker::rank(Candidates open, const Perception& seen) {
-  tbb::parallel_for(std::size_t{0}, kMeasuredParts, [&](std::size_t part) {
-    const std::size_t begin = part * open.size() / kMeasuredParts, end = (part + 1) * open.size() / kMeasuredParts;
-    if (begin < end) measurers_[part].measure(std::span(open).subspan(begin, end - begin), seen);
+  forEachPart(open, measurers_, [&](CandidateMeasurer& measurer, std::span<Candidate> part) {
+    measurer.measureAllButConvexity(part, seen);
+  });
+  keepPromising(open);
+  forEachPart(open, measurers_, [&](CandidateMeasurer& measurer, std::span<Candidate> part) {
+    for (Candidate& candidate : part) {
+      if (candidate.has_depth) measurer.measureConvexity(candidate, seen);
+    }
   });
   model_.score(open);
   std::vector<std::size_t> order(open.size());

@@ -24,7 +24,7 @@ struct PerceptionConfig {
   static ColorSegmentsConfig fineColor() {
     ColorSegmentsConfig color;
     color.halved = true;
-    color.k = 500.0;
+    color.k = 400.0;
     color.sigma = 0.3;
     return color;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "saccade/core/config_fields.hpp"
@@ -14,6 +15,7 @@ struct RankingConfig {
   bool paper = false;
   int top_k = 20;
   int max_open = 255;
+  int max_convexities = 700;
   double duplicate_iou = 0.9;
   bool suppress = true;
   double suppress_from = 0.2;
@@ -25,6 +27,9 @@ struct RankingConfig {
     v.flag("paper", paper, "twelve features, no duplicates merged, nothing suppressed");
     v.integer("top_k", top_k, {0, 255}, "", "candidates attended in a frame");
     v.integer("max_open", max_open, {1, 100000}, "", "candidates reported of a frame");
+    v.integer(
+        "max_convexities", max_convexities, {0, 1000000}, "",
+        "candidates whose convexity is measured: those that score best with a mean one; 0 = all, as the paper does");
     v.number("duplicate_iou", duplicate_iou, {0.0, 1.0}, "", "mask overlap from which the weaker of two is left out");
     v.flag("suppress", suppress,
            "candidates that overlap a better one lose score, so that the best are of many things");
@@ -47,7 +52,8 @@ class Ranker {
   Ranker(RankingConfig config, RankerModel model);
 
   /// Returns the best `max_open` of `open`, measured, scored and sorted by falling score; ties go by source, then by
-  /// the pool's order. Duplicates (masks alike) keep the better score only. With suppression the score of a candidate
+  /// the pool's order. Candidates that score low with a mean convexity are left out before theirs is measured, unless
+  /// `config.paper`. Duplicates (masks alike) keep the better score only. With suppression the score of a candidate
   /// is the SVM's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017): gently among
   /// the first `top_k`, which are attended, steeply after them, where a list is read to miss nothing.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
@@ -59,6 +65,8 @@ class Ranker {
   [[nodiscard]] const RankerModel& model() const { return model_; }
 
  private:
+  void keepPromising(Candidates& open) const;
+
   RankingConfig config_;
   RankerModel model_;
   std::vector<CandidateMeasurer> measurers_;  ///< one for each part of the candidates that is measured by itself

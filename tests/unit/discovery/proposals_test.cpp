@@ -87,6 +87,30 @@ TEST(Proposals, OfThePaperComeFromBlobsAlone) {
   EXPECT_TRUE(proposeCandidates(scene.seen, config).empty());
 }
 
+TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersAsEver) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  const Candidates pool = proposeCandidates(scene.seen, anyArea());
+  RankingConfig config;
+  config.suppress = false;
+  config.duplicate_iou = 1.0;
+  config.max_convexities = 0;
+  config.max_open = static_cast<int>(pool.size());
+  const Candidates all = Ranker(config).rank(pool, scene.seen);
+  config.max_convexities = static_cast<int>(pool.size() / 2);
+  const Candidates promising = Ranker(config).rank(pool, scene.seen);
+  ASSERT_EQ(promising.size(), pool.size() / 2);
+  for (const Candidate& candidate : promising) {
+    const auto same = std::find_if(all.begin(), all.end(), [&](const Candidate& other) {
+      return other.source == candidate.source && other.segments == candidate.segments;
+    });
+    ASSERT_NE(same, all.end());
+    EXPECT_EQ(candidate.score, same->score);
+    EXPECT_EQ(candidate.features, same->features);
+  }
+  // A mean convexity misjudges some: none of the best tenth is lost.
+  for (std::size_t i = 0; i < all.size() / 10; ++i) EXPECT_EQ(promising[i].segments, all[i].segments) << i;
+}
+
 TEST(Suppression, LetsADistantThingPassASecondViewOfTheBest) {
   Candidates sorted(3);
   sorted[0].box = {0, 0, 40, 40};
