@@ -90,9 +90,8 @@ std::vector<float> takeNumbers(std::istream& in, const std::string& key, std::si
   return values;
 }
 
-Judge takeJudge(std::istream& in, FeatureSet set, bool with_depth) {
-  const std::size_t count = featureCount(set, with_depth);
-  Judge judge;
+ScaledSvm takeSvm(std::istream& in, std::size_t count) {
+  ScaledSvm judge;
   judge.mean = takeNumbers(in, "mean", count);
   judge.scale = takeNumbers(in, "scale", count);
   if (!std::all_of(judge.scale.begin(), judge.scale.end(), [](float scale) { return scale > 0.0F; })) {
@@ -109,13 +108,16 @@ Judge takeJudge(std::istream& in, FeatureSet set, bool with_depth) {
   return judge;
 }
 
-void writeJudge(std::ostream& out, const char* title, const Judge& judge) {
-  const std::string& svm = judge.svm.text();
-  out << title << "\nmean";
-  for (const float value : judge.mean) out << ' ' << value;
-  out << "\nscale";
-  for (const float value : judge.scale) out << ' ' << value;
-  out << "\nsvm-lines " << std::count(svm.begin(), svm.end(), '\n') << '\n' << svm;
+BoostedTrees takeTrees(std::istream& in, std::size_t count) {
+  const std::vector<float> lines = takeNumbers(in, "trees-lines", 1);
+  std::string text;
+  for (int i = 0; i < static_cast<int>(lines[0]); ++i) text += takeLine(in, "a line of the trees") + "\n";
+  BoostedTrees trees = BoostedTrees::parse(text);
+  if (trees.dimension() != count) {
+    throw std::invalid_argument("expected trees of " + std::to_string(count) + " values, found some of " +
+                                std::to_string(trees.dimension()));
+  }
+  return trees;
 }
 
 void requireLine(std::istream& in, std::string_view expected) {
@@ -123,6 +125,38 @@ void requireLine(std::istream& in, std::string_view expected) {
   if (line != expected) {
     throw std::invalid_argument("expected \"" + std::string(expected) + "\", found \"" + line.substr(0, 40) + "\"");
   }
+}
+
+Judge takeJudge(std::istream& in, const char* title, FeatureSet set, bool with_depth) {
+  requireLine(in, title);
+  const std::size_t count = featureCount(set, with_depth);
+  const std::istream::pos_type begin = in.tellg();
+  const bool has_trees = takeLine(in, "an SVM or trees").starts_with("trees-lines");
+  in.seekg(begin);
+  return has_trees ? Judge(takeTrees(in, count)) : Judge(takeSvm(in, count));
+}
+
+void write(std::ostream& out, const ScaledSvm& judge) {
+  const std::string& svm = judge.svm.text();
+  out << "mean";
+  for (const float value : judge.mean) out << ' ' << value;
+  out << "\nscale";
+  for (const float value : judge.scale) out << ' ' << value;
+  out << "\nsvm-lines " << std::count(svm.begin(), svm.end(), '\n') << '\n' << svm;
+}
+
+void write(std::ostream& out, const BoostedTrees& judge) {
+  const std::string text = judge.text();
+  out << "trees-lines " << std::count(text.begin(), text.end(), '\n') << '\n' << text;
+}
+
+void predict(const ScaledSvm& judge, std::span<float> rows, std::span<double> probability) {
+  judge.scaleRows(rows);
+  judge.svm.predict(rows, probability.size(), probability);
+}
+
+void predict(const BoostedTrees& judge, std::span<const float> rows, std::span<double> probability) {
+  judge.predict(rows, probability.size(), probability);
 }
 
 }  // namespace
@@ -149,7 +183,7 @@ void appendFeatures(const Candidate& candidate, FeatureSet set, bool with_depth,
   }
 }
 
-void Judge::scaleRows(std::span<float> rows) const {
+void ScaledSvm::scaleRows(std::span<float> rows) const {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t column = i % mean.size();
     rows[i] = std::clamp((rows[i] - mean[column]) / scale[column], -kScaledLimit, kScaledLimit);
@@ -186,10 +220,8 @@ RankerModel RankerModel::parse(std::string_view text) {
     throw std::invalid_argument("expected \"features paper\" or \"features extended\", found \"" +
                                 set_line.substr(0, 40) + "\"");
   }
-  requireLine(in, "with-depth");
-  model.with_depth_ = takeJudge(in, model.set_, true);
-  requireLine(in, "without-depth");
-  model.without_depth_ = takeJudge(in, model.set_, false);
+  model.with_depth_ = takeJudge(in, "with-depth", model.set_, true);
+  model.without_depth_ = takeJudge(in, "without-depth", model.set_, false);
   return model;
 }
 
@@ -197,8 +229,10 @@ std::string RankerModel::text() const {
   std::ostringstream out;
   out.precision(9);
   out << kHeader << "\nfeatures " << name(set_) << '\n';
-  writeJudge(out, "with-depth", with_depth_);
-  writeJudge(out, "without-depth", without_depth_);
+  for (const bool with_depth : {true, false}) {
+    out << (with_depth ? "with-depth\n" : "without-depth\n");
+    std::visit([&out](const auto& own) { write(out, own); }, judge(with_depth));
+  }
   return out.str();
 }
 
@@ -211,7 +245,6 @@ void RankerModel::save(const std::filesystem::path& path) const {
 
 void RankerModel::score(Candidates& candidates) const {
   for (const bool with_depth : {true, false}) {
-    const Judge& own = judge(with_depth);
     std::vector<float> rows;
     std::vector<std::size_t> owners;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -220,9 +253,8 @@ void RankerModel::score(Candidates& candidates) const {
       owners.push_back(i);
     }
     if (owners.empty()) continue;
-    own.scaleRows(rows);
     std::vector<double> probability(owners.size());
-    own.svm.predict(rows, owners.size(), probability);
+    std::visit([&](const auto& own) { predict(own, rows, probability); }, judge(with_depth));
     for (std::size_t i = 0; i < owners.size(); ++i) candidates[owners[i]].score = probability[i];
   }
 }

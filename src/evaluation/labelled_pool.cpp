@@ -15,7 +15,9 @@ class PoolReader {
       : config_(config), perceiver_(config.discovery.perception), measurer_(config.discovery.ranking.features) {}
 
   void read(const std::string& input, std::vector<LabelledPool>& pools) {
-    const std::unique_ptr<FrameSource> source = openSource(input);
+    const std::size_t at = input.rfind('@');
+    const FrameRange range = at == std::string::npos ? FrameRange{} : FrameRange::parse(input.substr(at + 1));
+    const std::unique_ptr<FrameSource> source = openSource(input.substr(0, at), range);
     DiscoveryRules rules;
     if (source->description().ignore_from) rules.ignore_from = *source->description().ignore_from;
     RgbdFrame frame;
@@ -38,16 +40,21 @@ class PoolReader {
       const std::vector<double> overlaps = maskOverlaps(candidate, seen_, label, objects);
       std::vector<int> shows;
       double best = 0.0, most = 0.0;  // by the weaker and by the stronger of box and mask
+      double best_box = 0.0;
       for (std::size_t i = 0; i < objects.size(); ++i) {
         const double box = boxIou(objects[i].box, candidate.box);
+        best_box = std::max(best_box, box);
         best = std::max(best, std::min(box, overlaps[i]));
         most = std::max({most, box, overlaps[i]});
         if (box > rules.min_iou) shows.push_back(static_cast<int>(i));
       }
+      const bool is_trusted = trusted(candidate);
+      pool.overlaps.push_back(best_box);
+      pool.is_trusted.push_back(is_trusted ? 1 : 0);
       pool.shows.push_back(std::move(shows));
-      pool.kinds.push_back(best > config_.positive_iou                         ? Kind::kObject
-                           : most < config_.negative_iou && trusted(candidate) ? Kind::kOther
-                                                                               : Kind::kUndecided);
+      pool.kinds.push_back(best > config_.positive_iou                 ? Kind::kObject
+                           : most < config_.negative_iou && is_trusted ? Kind::kOther
+                                                                       : Kind::kUndecided);
     }
     return pool;
   }

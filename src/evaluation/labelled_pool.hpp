@@ -16,6 +16,9 @@ enum class Kind : std::uint8_t { kObject, kOther, kUndecided };
 struct LabelledPool {
   Candidates candidates;
   std::vector<Kind> kinds;
+  std::vector<double> overlaps;  ///< of each candidate: its box's best with an object, 0..1
+  std::vector<std::uint8_t>
+      is_trusted;                       ///< of each candidate: depth was measured, so that it may be an example of none
   std::vector<std::vector<int>> shows;  ///< of each candidate: indices of the objects its box shows
   std::vector<int> object_ids;
   int fold = 0;  ///< of cross-validation

@@ -1,78 +1,13 @@
 #include "saccade/evaluation/ranker_training.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <random>
 #include <stdexcept>
 
 #include "labelled_pool.hpp"
+#include "ranker_learners.hpp"
 
 namespace saccade {
 namespace {
-
-constexpr double kRoundTo = 1000.0;  // scaled values are rounded to 1 / 1000 so that the model's text is short
-
-struct Example {
-  const Candidate* candidate = nullptr;
-  std::int8_t label = 0;
-  int group = 0;
-};
-
-std::vector<Example> chooseExamples(const std::vector<LabelledPool>& pools, const RankerTrainingConfig& config) {
-  std::mt19937_64 random(static_cast<std::uint64_t>(config.seed));
-  std::vector<Example> examples;
-  for (std::size_t frame = 0; frame < pools.size(); ++frame) {
-    const LabelledPool& pool = pools[frame];
-    for (const Kind kind : {Kind::kObject, Kind::kOther}) {
-      std::vector<std::size_t> all;
-      for (std::size_t i = 0; i < pool.kinds.size(); ++i) {
-        if (pool.kinds[i] == kind) all.push_back(i);
-      }
-      for (std::size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[random() % i]);
-      const int limit = kind == Kind::kObject ? config.positives_per_frame : config.negatives_per_frame;
-      all.resize(std::min(all.size(), static_cast<std::size_t>(limit)));
-      std::sort(all.begin(), all.end());
-      for (const std::size_t i : all) {
-        const auto label = static_cast<std::int8_t>(kind == Kind::kObject ? 1 : -1);
-        examples.push_back({&pool.candidates[i], label, static_cast<int>(frame)});
-      }
-    }
-  }
-  return examples;
-}
-
-Judge trainJudge(const std::vector<Example>& examples, FeatureSet set, bool with_depth, SvmTrainingConfig svm_config) {
-  SvmExamples svm;
-  svm.dimension = featureCount(set, with_depth);
-  for (const Example& example : examples) {
-    if (with_depth && !example.candidate->has_depth) continue;
-    appendFeatures(*example.candidate, set, with_depth, svm.rows);
-    svm.labels.push_back(example.label);
-    svm.groups.push_back(example.group);
-  }
-  Judge judge;
-  const auto n = static_cast<double>(std::max<std::size_t>(1, svm.size()));
-  for (std::size_t column = 0; column < svm.dimension; ++column) {
-    double sum = 0.0, squared = 0.0;
-    for (std::size_t i = column; i < svm.rows.size(); i += svm.dimension) {
-      sum += static_cast<double>(svm.rows[i]);
-      squared += static_cast<double>(svm.rows[i]) * static_cast<double>(svm.rows[i]);
-    }
-    const double mean = sum / n, deviation = std::sqrt(std::max(0.0, squared / n - mean * mean));
-    judge.mean.push_back(static_cast<float>(mean));
-    judge.scale.push_back(deviation > 1e-9 ? static_cast<float>(deviation) : 1.0F);
-  }
-  judge.scaleRows(svm.rows);
-  for (float& value : svm.rows)
-    value = static_cast<float>(std::round(static_cast<double>(value) * kRoundTo) / kRoundTo);
-  judge.svm = trainSvm(svm, svm_config);
-  return judge;
-}
-
-RankerModel trainModel(const std::vector<Example>& examples, FeatureSet set, const SvmTrainingConfig& svm_config) {
-  Judge with_depth = trainJudge(examples, set, true, svm_config);
-  return {set, std::move(with_depth), trainJudge(examples, set, false, svm_config)};
-}
 
 // The pool's candidates with their number in place of their segments, which are not needed any more.
 Candidates lightCopies(const LabelledPool& pool) {
@@ -131,17 +66,16 @@ class RocArea {
   std::vector<std::pair<double, bool>> scores_;
 };
 
-RankerTrial crossValidate(const std::vector<LabelledPool>& pools, FeatureSet set, const RankerTrainingConfig& config,
-                          const SvmTrainingConfig& svm_config) {
-  const std::vector<Example> examples = chooseExamples(pools, config);
+RankerTrial crossValidate(const std::vector<LabelledPool>& pools, const RankerTrainingConfig& config,
+                          const RankerLearner& learner) {
   DiscoveryScore score;
   RocArea roc;
   for (int fold = 0; fold < config.folds; ++fold) {
-    std::vector<Example> rest;
-    for (const Example& example : examples) {
-      if (pools[static_cast<std::size_t>(example.group)].fold != fold) rest.push_back(example);
+    std::vector<const LabelledPool*> rest;
+    for (const LabelledPool& pool : pools) {
+      if (pool.fold != fold) rest.push_back(&pool);
     }
-    const RankerModel model = trainModel(rest, set, svm_config);
+    const RankerModel model = learner.train(rest);
     for (const LabelledPool& pool : pools) {
       if (pool.fold != fold) continue;
       Candidates scored = lightCopies(pool);
@@ -150,7 +84,7 @@ RankerTrial crossValidate(const std::vector<LabelledPool>& pools, FeatureSet set
       score.add(rankHeldOut(pool, std::move(scored), config.discovery.ranking));
     }
   }
-  return {svm_config.c, svm_config.gamma, roc.value(), score.recall(5), score.recall(10), score.recall(20)};
+  return {learner.settings, roc.value(), score.recall(5), score.recall(10), score.recall(20)};
 }
 
 // A feature that is the same everywhere tells nothing: that is how it is taken away.
@@ -163,13 +97,13 @@ std::vector<LabelledPool> withoutFeature(std::vector<LabelledPool> pools, std::s
   return pools;
 }
 
-std::vector<FeatureValue> ablate(const std::vector<LabelledPool>& pools, FeatureSet set,
-                                 const RankerTrainingConfig& config, const SvmTrainingConfig& svm_config,
-                                 const RankerTrial& whole) {
+std::vector<FeatureValue> ablate(const std::vector<LabelledPool>& pools, const RankerTrainingConfig& config,
+                                 const RankerLearner& learner, const RankerTrial& whole) {
   std::vector<FeatureValue> values;
-  const std::vector<std::string_view> names = featureNames(set);
+  const bool is_paper = config.discovery.ranking.paper;
+  const std::vector<std::string_view> names = featureNames(is_paper ? FeatureSet::kPaper : FeatureSet::kExtended);
   for (std::size_t feature = 0; feature < names.size(); ++feature) {
-    const RankerTrial trial = crossValidate(withoutFeature(pools, feature), set, config, svm_config);
+    const RankerTrial trial = crossValidate(withoutFeature(pools, feature), config, learner);
     values.push_back({names[feature], whole.auc - trial.auc, whole.merit() - trial.merit()});
   }
   return values;
@@ -180,34 +114,31 @@ std::vector<FeatureValue> ablate(const std::vector<LabelledPool>& pools, Feature
 RankerTraining trainRanker(const std::vector<std::string>& inputs, const RankerTrainingConfig& config) {
   requireValid(config);
   const std::vector<LabelledPool> pools = readLabelledPools(inputs, config);
-  const std::vector<Example> examples = chooseExamples(pools, config);
 
   RankerTraining result;
   result.frames = static_cast<int>(pools.size());
-  for (const Example& example : examples) ++(example.label > 0 ? result.positives : result.negatives);
-  if (result.positives == 0 || result.negatives == 0) {
-    throw std::invalid_argument("trainRanker: " + std::to_string(result.positives) + " candidates show objects and " +
-                                std::to_string(result.negatives) + " do not, in " + std::to_string(result.frames) +
+  std::vector<const LabelledPool*> all;
+  for (const LabelledPool& pool : pools) {
+    all.push_back(&pool);
+    result.objects += static_cast<int>(std::count(pool.kinds.begin(), pool.kinds.end(), Kind::kObject));
+    result.others += static_cast<int>(std::count(pool.kinds.begin(), pool.kinds.end(), Kind::kOther));
+  }
+  if (result.objects == 0 || result.others == 0) {
+    throw std::invalid_argument("trainRanker: " + std::to_string(result.objects) + " candidates show objects and " +
+                                std::to_string(result.others) + " do not, in " + std::to_string(result.frames) +
                                 " labelled frames with depth; both are needed");
   }
-  const FeatureSet set = config.discovery.ranking.paper ? FeatureSet::kPaper : FeatureSet::kExtended;
-  SvmTrainingConfig svm;
-  svm.max_vectors = config.max_vectors;
-  svm.seed = static_cast<std::uint64_t>(config.seed);
-  for (const double c : config.c_values) {
-    for (const double gamma : config.gamma_values) {
-      svm.c = c;
-      svm.gamma = gamma;
-      result.trials.push_back(crossValidate(pools, set, config, svm));
-      if (result.trials.size() == 1 || result.trials.back().merit() > result.chosen.merit()) {
-        result.chosen = result.trials.back();
-      }
+  const std::vector<RankerLearner> learners = rankerLearners(config);
+  const RankerLearner* best = &learners.front();
+  for (const RankerLearner& learner : learners) {
+    result.trials.push_back(crossValidate(pools, config, learner));
+    if (result.trials.size() == 1 || result.trials.back().merit() > result.chosen.merit()) {
+      result.chosen = result.trials.back();
+      best = &learner;
     }
   }
-  svm.c = result.chosen.c;
-  svm.gamma = result.chosen.gamma;
-  if (config.ablation) result.ablation = ablate(pools, set, config, svm, result.chosen);
-  result.model = trainModel(examples, set, svm);
+  if (config.ablation) result.ablation = ablate(pools, config, *best, result.chosen);
+  result.model = best->train(all);
   return result;
 }
 

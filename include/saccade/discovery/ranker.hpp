@@ -18,8 +18,8 @@ struct RankingConfig {
   int max_convexities = 700;
   double duplicate_iou = 0.9;
   bool suppress = true;
-  double suppress_from = 0.2;
-  double suppress_power = 0.25;
+  double suppress_from = 0.3;
+  double suppress_power = 0.5;
   double cover_power = 1.0;
   FeatureConfig features;
 

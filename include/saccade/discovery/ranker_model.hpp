@@ -5,8 +5,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
+#include "saccade/discovery/boosted_trees.hpp"
 #include "saccade/discovery/candidate.hpp"
 #include "saccade/discovery/svm.hpp"
 
@@ -24,8 +26,8 @@ enum class FeatureSet : std::uint8_t { kPaper, kExtended };
 /// Appends the values of `candidate` for a judge of this kind to `row`.
 void appendFeatures(const Candidate& candidate, FeatureSet set, bool with_depth, std::vector<float>& row);
 
-/// One SVM and the scaling of its input: x' = (x - mean) / scale, each limited to ±kScaledLimit.
-struct Judge {
+/// An SVM and the scaling of its input: x' = (x - mean) / scale, each limited to ±kScaledLimit.
+struct ScaledSvm {
   static constexpr float kScaledLimit = 6.0F;
 
   std::vector<float> mean;
@@ -36,10 +38,13 @@ struct Judge {
   void scaleRows(std::span<float> rows) const;
 };
 
+/// What tells objects from the rest: the paper's SVM, or boosted trees.
+using Judge = std::variant<ScaledSvm, BoostedTrees>;
+
 /// The trained ranker: a judge for candidates with depth and one for those without (paper, "Ranking of the
 /// candidates").
 ///
-/// A text file: a header, and per judge its scaling and the SVM in LIBSVM's own format.
+/// A text file: a header, and per judge either its scaling and the SVM in LIBSVM's own format, or its trees.
 class RankerModel {
  public:
   RankerModel() = default;

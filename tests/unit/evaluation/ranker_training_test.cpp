@@ -7,11 +7,11 @@ namespace {
 
 RankerTrainingConfig quickTraining() {
   RankerTrainingConfig config;
-  config.discovery.usePaperOnly();  // the pool of blobs alone is small
+  config.usePaperOnly();  // the pool of blobs alone is small
   config.discovery.perception.max_maxima = 24;
-  config.c_values = {1.0};
-  config.gamma_values = {0.05};
-  config.max_vectors = 60;
+  config.svm.c_values = {1.0};
+  config.svm.gamma_values = {0.05};
+  config.svm.max_vectors = 60;
   return config;
 }
 
