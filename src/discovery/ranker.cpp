@@ -173,13 +173,15 @@ void forEachPart(std::span<Candidate> candidates, std::vector<CandidateMeasurer>
   });
 }
 
+/// Of all candidates that the built-in ranker was trained on.
+constexpr float kMeanConvexity_m = 0.022F;
+
 /// Leaves the candidates, measured but for their convexity, that score best with a mean one.
 void Ranker::keepPromising(Candidates& open) const {
   const auto most = static_cast<std::size_t>(config_.max_convexities);
   if (config_.paper || most == 0 || open.size() <= most) return;
-  const float mean_convexity = model_.judge(true).mean[kFeatureConvexity];
   for (Candidate& candidate : open) {
-    if (candidate.has_depth) candidate.features[kFeatureConvexity] = mean_convexity;
+    if (candidate.has_depth) candidate.features[kFeatureConvexity] = kMeanConvexity_m;
   }
   model_.score(open);
   std::vector<std::size_t> best(open.size());
