@@ -30,8 +30,7 @@ struct Options {
 };
 
 struct Side {
-  explicit Side(const std::string& path)
-      : session(path), map(loadMap(session)), objects(findObjects(session)) {}
+  explicit Side(const std::string& path) : session(path), map(loadMap(session)), objects(findObjects(session)) {}
 
   SessionReader session;
   IorMap map;

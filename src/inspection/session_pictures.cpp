@@ -8,9 +8,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "inspection/tile_entries.hpp"
-#include "saccade/map/morton_code.hpp"
 #include "saccade/attention/saliency.hpp"
 #include "saccade/inspection/layer_picture.hpp"
+#include "saccade/map/morton_code.hpp"
 
 namespace saccade {
 namespace {

@@ -13,10 +13,10 @@
 #include "inspection/session_pictures.hpp"
 #include "inspection/tile_entries.hpp"
 #include "inspection/view_json.hpp"
-#include "saccade/map/morton_code.hpp"
 #include "saccade/core/errors.hpp"
 #include "saccade/exchange/map_difference.hpp"
 #include "saccade/inspection/voxel_tile.hpp"
+#include "saccade/map/morton_code.hpp"
 
 namespace saccade {
 namespace {
