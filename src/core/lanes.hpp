@@ -56,12 +56,18 @@ SACCADE_INLINE void squareRoots(FloatLanes& lanes) {
   for (float& value : values) value = std::sqrt(value);
   lanes = loadLanes(values);
 }
+/// All lanes or-ed together, in pairs: lane i of the lower and of the upper half of the result.
+SACCADE_INLINE std::uint64_t orOfPairs(const IntLanes& lanes) {
+  using Half = std::int64_t __attribute__((vector_size(16)));
+  Half halves[2];
+  std::memcpy(halves, &lanes, sizeof halves);
+  const Half both = halves[0] | halves[1];  // one operation on a register before anything moves to scalars
+  return static_cast<std::uint64_t>(both[0] | both[1]);
+}
 /// All lanes or-ed together.
 SACCADE_INLINE std::uint32_t orOf(const IntLanes& lanes) {
-  using Halves = std::int64_t __attribute__((vector_size(32)));
-  const auto halves = reinterpret_cast<Halves>(lanes);
-  const std::int64_t both = halves[0] | halves[1] | halves[2] | halves[3];
-  return static_cast<std::uint32_t>(both | both >> 32);
+  const std::uint64_t pairs = orOfPairs(lanes);
+  return static_cast<std::uint32_t>(pairs | pairs >> 32);
 }
 /// A comparison as bits, lane 0 the lowest.
 SACCADE_INLINE unsigned bitsOf(const IntLanes& mask) {
@@ -69,9 +75,7 @@ SACCADE_INLINE unsigned bitsOf(const IntLanes& mask) {
 }
 /// Whether a lane of a comparison holds.
 SACCADE_INLINE bool any(const IntLanes& mask) {
-  using Halves = std::int64_t __attribute__((vector_size(32)));
-  const auto halves = reinterpret_cast<Halves>(mask);
-  return (halves[0] | halves[1] | halves[2] | halves[3]) != 0;
+  return orOfPairs(mask) != 0;
 }
 
 }  // namespace saccade

@@ -122,10 +122,18 @@ SACCADE_MULTIVERSION unsigned crossedBy(const Inverses& rays, const std::uint32_
 
 }  // namespace
 
-SACCADE_MULTIVERSION RayPyramid::Sights RayPyramid::sights(const Level* levels, const SiblingBounds& siblings,
-                                                           unsigned asked) {
+SACCADE_MULTIVERSION RayPyramid::Sights RayPyramid::sights(const Level* levels, const float* farthest_ends,
+                                                           const SiblingBounds& siblings, unsigned asked) {
   Sights sights;
   const IntLanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  // Whether no ray of the box, at most eight cells wide, ends behind `near`.
+  const auto allEndBefore = [&](std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1, float near) {
+    const std::int32_t width = levels[0].width;
+    const float* row = farthest_ends + static_cast<std::ptrdiff_t>(y0) * width + x0;
+    FloatLanes farthest = {};
+    for (std::int32_t y = y0; y <= y1; ++y, row += width) farthest = most(farthest, loadLanes(row));
+    return !any((farthest > near) & (lane <= x1 - x0));
+  };
   for (; asked != 0; asked &= asked - 1) {
     const auto i = static_cast<unsigned>(std::countr_zero(asked));
     const std::int32_t x0 = siblings.x0[i], y0 = siblings.y0[i], x1 = siblings.x1[i], y1 = siblings.y1[i];
@@ -145,9 +153,12 @@ SACCADE_MULTIVERSION RayPyramid::Sights RayPyramid::sights(const Level* levels, 
     storeLanes(bounds, b);
     const float minus_lowest = std::max(std::max(b[0], b[2]), std::max(b[4], b[6]));
     const float highest = std::max(std::max(b[1], b[3]), std::max(b[5], b[7]));
-    const bool hidden = highest <= siblings.near[i];
+    bool hidden = highest <= siblings.near[i];
+    const bool free = !hidden && -minus_lowest > siblings.far[i];
+    // Of what straddles, much lies behind the surface with only a block that it hardly touches reaching farther.
+    if (level > 0 && !hidden && !free && extent < kLanes) hidden = allEndBefore(x0, y0, x1, y1, siblings.near[i]);
     sights.hidden |= static_cast<unsigned>(hidden) << i;
-    sights.free |= static_cast<unsigned>(!hidden && -minus_lowest > siblings.far[i]) << i;
+    sights.free |= static_cast<unsigned>(free) << i;
   }
   sights.free &= ~siblings.clipped;
   return sights;
@@ -222,12 +233,15 @@ void RayPyramid::projectRays(const EndpointLeaves& endpoints, const PinholeCamer
 /// Sorts the projected rays by cells.
 void RayPyramid::groupRays() {
   starts_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>((height_ + 1) & ~1) + 1, 0);
+  farthest_ends_.assign(levels_[0].blocks.size(), 0.0f);
   const Projected& p = projected_;
   for (std::size_t i = 0; i < ray_count_; ++i) {
     ++starts_[static_cast<std::size_t>(p.place[i]) + 1];
-    float& highest = levels_[0].blocks[static_cast<std::size_t>(p.cell[i])].highest;
-    highest = std::max(highest, p.depth[i]);
+    float& farthest = farthest_ends_[static_cast<std::size_t>(p.cell[i])];
+    farthest = std::max(farthest, p.depth[i]);
   }
+  for (std::size_t cell = 0; cell < farthest_ends_.size(); ++cell)
+    levels_[0].blocks[cell].highest = farthest_ends_[cell];
   for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
   constexpr float kNever = std::numeric_limits<float>::quiet_NaN();
   for (auto* inverse : {&inverse_x_, &inverse_y_, &inverse_z_}) {

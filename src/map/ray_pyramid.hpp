@@ -47,7 +47,7 @@ class RayPyramid {
 
   /// The sights of the siblings `asked` for, which must be bounded and not empty.
   [[nodiscard]] Sights sights(const SiblingBounds& siblings, unsigned asked) const {
-    return sights(levels_.data(), siblings, asked);
+    return sights(levels_.data(), farthest_ends_.data(), siblings, asked);
   }
 
   /// Which of `wanted` of the eight finest leaves of a family some ray crosses before its end, as bits by child number.
@@ -67,7 +67,7 @@ class RayPyramid {
     int width = 0, height = 0;  // `blocks` are readable for kLanes beyond
     std::vector<Range> blocks;
   };
-  static Sights sights(const Level* levels, const SiblingBounds& siblings, unsigned asked);
+  static Sights sights(const Level* levels, const float* farthest_ends, const SiblingBounds& siblings, unsigned asked);
   [[nodiscard]] std::size_t placeOf(std::int32_t x, std::int32_t y) const {
     const auto width = static_cast<std::size_t>(width_);
     return static_cast<std::size_t>(y / 2) * 2 * width + 2 * static_cast<std::size_t>(x) +
@@ -91,6 +91,8 @@ class RayPyramid {
     std::vector<std::int32_t> cell, place;
   } projected_;
   std::vector<Level> levels_;
+  // `highest` of the finest level by itself, so that one load reads a row of a small node; readable for kLanes beyond.
+  std::vector<float> farthest_ends_;
 };
 
 }  // namespace saccade
