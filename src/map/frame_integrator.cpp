@@ -16,17 +16,21 @@ constexpr float kNearlyZero = 1e-6f;
 /// Observations beyond this no longer slow the running mean of colour and normal down.
 constexpr int kMeanMemory = 15;
 
-/// The hits of child i: those whose digit at this level is i; `hits` is sorted and starts at child i.
-std::size_t countOfChild(std::span<const EndpointLeaves::Endpoint> hits, unsigned i, int level) {
-  const auto digit = [level](const EndpointLeaves::Endpoint& h) {
-    return static_cast<unsigned>(h.code >> (3 * level)) & 7u;
-  };
+/// The child that a hit falls into, `level` levels above the finest leaves.
+unsigned childOf(const EndpointLeaves::Endpoint& hit, int level) {
+  return static_cast<unsigned>(hit.code >> (3 * level)) & 7u;
+}
+
+/// How many of `hits`, which are sorted and not empty, fall into the same child as the first.
+std::size_t countOfFirstChild(std::span<const EndpointLeaves::Endpoint> hits, int level) {
+  const unsigned i = childOf(hits.front(), level);
   if (hits.size() <= 16) {
-    std::size_t n = 0;
-    while (n < hits.size() && digit(hits[n]) == i) ++n;
+    std::size_t n = 1;
+    while (n < hits.size() && childOf(hits[n], level) == i) ++n;
     return n;
   }
-  const auto end = std::partition_point(hits.begin(), hits.end(), [&](const auto& h) { return digit(h) <= i; });
+  const auto end =
+      std::partition_point(hits.begin(), hits.end(), [&](const auto& h) { return childOf(h, level) <= i; });
   return static_cast<std::size_t>(end - hits.begin());
 }
 
@@ -141,12 +145,14 @@ void FrameIntegrator::updateBlock(unsigned block) {
 
   const bool fresh = tree_->getRoot() == nullptr;
   IorOcTreeNode* root = tree_->ensureRoot();
-  if (!fresh && root->isLeaf()) tree_->expandNode(root);
-  updateFromRoot(
+  const bool coarse = !fresh && root->isLeaf();
+  if (coarse) tree_->expandNode(root);
+  const bool changed = updateFromRoot(
       root, 0,
       {static_cast<std::uint32_t>(key[0]), static_cast<std::uint32_t>(key[1]), static_cast<std::uint32_t>(key[2])},
       place, Hits(first, last));
-  if (fresh && root->isLeaf()) tree_->clear();  // nothing seen, nothing known
+  if (!changed && fresh) tree_->clear();  // nothing seen, nothing known
+  if (!changed && coarse) tree_->pruneNode(root);
 }
 
 bool FrameIntegrator::updateFromRoot(IorOcTreeNode* node, int depth, const std::array<std::uint32_t, 3>& block_key,
@@ -156,12 +162,15 @@ bool FrameIntegrator::updateFromRoot(IorOcTreeNode* node, int depth, const std::
   const unsigned i = (block_key[0] >> bit & 1u) | (block_key[1] >> bit & 1u) << 1 | (block_key[2] >> bit & 1u) << 2;
   const bool fresh = (node->childMask() >> i & 1u) == 0;
   IorOcTreeNode* child = fresh ? tree_->createNodeChild(node, i) : node->child(i);
-  if (!fresh && child->isLeaf()) tree_->expandNode(child);
+  const bool coarse = !fresh && child->isLeaf();
+  if (coarse) tree_->expandNode(child);
   const bool changed = updateFromRoot(child, depth + 1, block_key, place, hits);
-  if (fresh && child->isLeaf() && !changed) {
-    tree_->deleteNodeChild(node, i);
-  } else {
+  if (changed) {
     refresh(node);
+  } else if (fresh) {
+    tree_->deleteNodeChild(node, i);
+  } else if (coarse) {
+    tree_->pruneNode(child);
   }
   return changed;
 }
@@ -175,10 +184,11 @@ bool FrameIntegrator::updateChildren(IorOcTreeNode* node, const Place& place, Hi
   }
   std::array<Hits, 8> hits_of;
   unsigned hit = 0;
-  for (unsigned i = 0; i < 8; ++i) {
-    hits_of[i] = hits.first(countOfChild(hits, i, kFinest - depth));
+  while (!hits.empty()) {
+    const unsigned i = childOf(hits.front(), kFinest - depth);
+    hits_of[i] = hits.first(countOfFirstChild(hits, kFinest - depth));
     hits = hits.subspan(hits_of[i].size());
-    hit |= static_cast<unsigned>(!hits_of[i].empty()) << i;
+    hit |= 1u << i;
   }
   const unsigned unhit = ~hit & ~bounds.outside & ~settledChildren(node) & 0xFFu;
   RayPyramid::Sights sights = rays_.sights(bounds, unhit & bounds.bounded & ~bounds.empty);
@@ -196,7 +206,7 @@ bool FrameIntegrator::updateChildren(IorOcTreeNode* node, const Place& place, Hi
       changed |= updateInnerChild(node, i, child, hits_of[i]);
     }
   }
-  if (!node->isLeaf()) refresh(node);
+  if (changed) refresh(node);  // what did not change is not written either: most nodes near surfaces are only read
   return changed;
 }
 
@@ -220,9 +230,11 @@ bool FrameIntegrator::freeChild(IorOcTreeNode* node, unsigned i, const Place& pl
 bool FrameIntegrator::updateInnerChild(IorOcTreeNode* node, unsigned i, const Place& place, Hits hits) {
   const bool fresh = (node->childMask() >> i & 1u) == 0;
   IorOcTreeNode* child = fresh ? tree_->createNodeChild(node, i) : node->child(i);
-  if (!fresh && child->isLeaf()) tree_->expandNode(child);
+  const bool coarse = !fresh && child->isLeaf();
+  if (coarse) tree_->expandNode(child);
   const bool changed = updateChildren(child, place, hits);
-  if (fresh && !changed) tree_->deleteNodeChild(node, i);  // opened in vain
+  if (!changed && fresh) tree_->deleteNodeChild(node, i);  // opened in vain
+  if (!changed && coarse) tree_->pruneNode(child);
   return changed;
 }
 
