@@ -16,6 +16,7 @@ for argument in "$@"; do
   esac
 done
 
+"$root/apps/install-packages.sh" $(grep -v '^#' "$root/tests/packages.txt")
 "$root/apps/build.sh" "$build" -DCMAKE_BUILD_TYPE=Release -DSACCADE_BUILD_TESTS=ON -DSACCADE_WERROR=ON
 if [ $sanitize = yes ]; then
   "$root/apps/build.sh" "$build-sanitize" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSACCADE_BUILD_TESTS=ON \
