@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "map/depth_windows.hpp"
 #include "map/ray_bounds.hpp"
 #include "saccade/map/surface_volume.hpp"
 
@@ -21,9 +22,13 @@ struct SurfaceVolume::Scratch {
   std::vector<std::int32_t> visible;
   std::vector<Eigen::Vector3f> centres;
 
-  /// integrate(): camera-frame offsets of a brick's samples from its first one, and the largest depth of each tile.
+  /// allocateBand(): bricks met by the rays of one row, and those that were found last.
+  std::vector<BrickPosition> met, known;
+
+  /// integrate(): camera-frame offsets of a brick's samples from its first one, and which of `visible` are not hidden.
   std::array<std::array<float, SurfaceBrick::kSamples>, 3> offsets;
-  std::vector<float> farthest;
+  DepthWindows windows;
+  std::vector<std::int32_t> reached;
 
   /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, null where
   /// there is none. All null between two calls.
@@ -35,8 +40,6 @@ struct SurfaceVolume::Scratch {
   Eigen::Vector3i extent = Eigen::Vector3i::Zero();
   RayBounds bounds;
 };
-
-inline constexpr int kIntegrationTile = 16;  ///< pixels
 
 /// The 2 x 2 x 2 blocks of a brick that hold a sample close behind a surface, as bits (see RayBounds).
 [[nodiscard]] std::uint64_t blocksBehind(const SurfaceBrick& brick, double band_samples);
