@@ -10,6 +10,7 @@
 
 #include "map/depth_windows.hpp"
 #include "map/ray_bounds.hpp"
+#include "map/ray_march.hpp"
 #include "saccade/map/surface_volume.hpp"
 
 namespace saccade {
@@ -30,15 +31,17 @@ struct SurfaceVolume::Scratch {
   DepthWindows windows;
   std::vector<std::int32_t> reached;
 
-  /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, null where
-  /// there is none. All null between two calls.
+  /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, `unknown` where there is none,
+  /// and those of them that a surface runs through, see SurfaceGrid.
   std::vector<const SurfaceBrick*> directory;
-  std::vector<std::uint8_t> no_surface;  ///< by brick of the directory; 1 as well where there is no brick
+  std::vector<std::int32_t> copies;
+  std::vector<std::int16_t> samples;
   SurfaceBrick unknown{};
-  std::vector<std::size_t> filled;
+  std::vector<std::size_t> filled, surface;
   Eigen::Vector3i origin = Eigen::Vector3i::Zero();
   Eigen::Vector3i extent = Eigen::Vector3i::Zero();
   RayBounds bounds;
+  RayQueue rays;
 };
 
 /// The 2 x 2 x 2 blocks of a brick that hold a sample close behind a surface, as bits (see RayBounds).
