@@ -12,21 +12,22 @@ namespace {
 constexpr float kNever = 1e9F;
 // Blocks nearer than this have no useful bounds in the image.
 constexpr float kNearest_m = 0.02F;
+constexpr int kSlices = 32;  // bits of a word
 
-// Extends the bounds of `count` cells from `nearest` and `farthest` on; reaches kLanes cells.
-SACCADE_INLINE void extend(float* nearest, float* farthest, int count, float near, float far) {
+// Extends the bounds of `count` cells from `nearest` and `slices` on; reaches kLanes cells.
+SACCADE_INLINE void extend(float* nearest, std::int32_t* slices, int count, float near, std::int32_t bits) {
   const IntLanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
   for (int first = 0; first < count; first += kLanes) {
     const IntLanes in = lane < count - first;
-    const FloatLanes n = loadLanes(nearest + first), f = loadLanes(farthest + first);
+    const FloatLanes n = loadLanes(nearest + first);
     storeLanes(in & (n > near) ? allLanes(near) : n, nearest + first);
-    storeLanes(in & (f < far) ? allLanes(far) : f, farthest + first);
+    storeLanes(loadLanes(slices + first) | (in & bits), slices + first);
   }
 }
 
 }  // namespace
 
-void RayBounds::reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, float sample_m) {
+void RayBounds::reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, float sample_m, float max_range_m) {
   Constants& c = constants_;
   c.fx = static_cast<float>(camera.fx);
   c.fy = static_cast<float>(camera.fy);
@@ -37,6 +38,7 @@ void RayBounds::reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, 
   c.half = 1.5F * sample_m;  // half a sample to its samples, and one to the surface
   c.half_deep = c.half * R_CW.row(2).cwiseAbs().sum();
   c.lead = 0.25F * sample_m;
+  c.per_slice = static_cast<float>(kSlices) / (1.01F * max_range_m);
   for (int i = 0; i < 9; ++i) c.R_CW[static_cast<std::size_t>(i)] = R_CW(i / 3, i % 3);
   for (int block = 0; block < 64; ++block) {
     const Eigen::Vector3f at = R_CW * (Eigen::Vector3i(block & 3, block >> 2 & 3, block >> 4).cast<float>() * 2.0F -
@@ -48,16 +50,16 @@ void RayBounds::reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, 
   stride_ = (camera.width + kCellPixels - 1) / kCellPixels + 2 * kLanes;
   rows_ = (camera.height + kCellPixels - 1) / kCellPixels;
   nearest_.assign(static_cast<std::size_t>(stride_ * rows_), kNever);
-  farthest_.assign(static_cast<std::size_t>(stride_ * rows_), 0.0F);
+  slices_.assign(static_cast<std::size_t>(stride_ * rows_), 0);
 }
 
 void RayBounds::add(const Eigen::Vector3f& centre_C, std::uint64_t blocks) {
-  draw(constants_, centre_C.data(), blocks, stride_, rows_, nearest_.data(), farthest_.data());
+  draw(constants_, centre_C.data(), blocks, stride_, rows_, nearest_.data(), slices_.data());
 }
 
 SACCADE_MULTIVERSION
 void RayBounds::draw(const Constants& c, const float* centre, std::uint64_t blocks, int stride, int rows,
-                     float* nearest, float* farthest) {
+                     float* nearest, std::int32_t* slices) {
   const FloatLanes zero = {};
   for (std::size_t first = 0; first < 64; first += kLanes) {
     auto wanted = static_cast<unsigned>(blocks >> first & 0xFFU);
@@ -81,19 +83,24 @@ void RayBounds::draw(const Constants& c, const float* centre, std::uint64_t bloc
     const IntLanes u1 = truncated(least(most(u + du, zero - 1.0F), last_u));
     const IntLanes v0 = truncated(least(most(v - dv + 0.999F, zero), last_v + 1.0F));
     const IntLanes v1 = truncated(least(most(v + dv, zero - 1.0F), last_v));
+    const FloatLanes begin = near - c.lead, last_slice = allLanes(static_cast<float>(kSlices - 1));
+    const IntLanes first_slice = truncated(least(most(begin * c.per_slice, zero), last_slice));
+    const IntLanes end_slice = truncated(least(most(far * c.per_slice, zero), last_slice));
     for (; wanted != 0; wanted &= wanted - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(wanted));
       if (far[i] <= 0.0F) continue;
+      const auto bits = static_cast<std::int32_t>((2U << end_slice[i]) - (1U << first_slice[i]));
       if (near[i] <= kNearest_m) {
         for (int row = 0; row < rows; ++row) {
-          extend(nearest + row * stride, farthest + row * stride, stride - kLanes, kNearest_m, far[i]);
+          extend(nearest + row * stride, slices + row * stride, stride - kLanes, kNearest_m, bits);
         }
         continue;
       }
       if (u0[i] > u1[i] || v0[i] > v1[i]) continue;
       const int column = u0[i] / kCellPixels, count = u1[i] / kCellPixels - column + 1;
       for (int row = v0[i] / kCellPixels; row <= v1[i] / kCellPixels; ++row) {
-        extend(nearest + row * stride + column, farthest + row * stride + column, count, near[i] - c.lead, far[i]);
+        const int at = row * stride + column;
+        extend(nearest + at, slices + at, count, begin[i], bits);
       }
     }
   }

@@ -19,16 +19,17 @@ class RayBounds {
   static constexpr int kCellPixels = 2;  ///< the bounds hold for squares of this many pixels
 
   /// Forgets all blocks; R_CW turns world directions into the camera's, `sample_m` is the distance of samples.
-  void reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, float sample_m);
+  void reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, float sample_m, float max_range_m);
 
   /// Adds blocks of the brick whose centre lies at `centre_C`. A surface can lie up to one sample outside of a block
   /// whose samples are behind it.
   void add(const Eigen::Vector3f& centre_C, std::uint64_t blocks);
 
-  /// Per cell of row `v` of the image, smallest and largest depth of a surface (metres). Where none can be met the
-  /// nearest is larger than the farthest. Readable for kLanes cells beyond the last.
+  /// Per cell of row `v` of the image, the smallest depth of a surface (metres); large where none can be met.
   [[nodiscard]] const float* nearest(int v) const { return nearest_.data() + rowOf(v); }
-  [[nodiscard]] const float* farthest(int v) const { return farthest_.data() + rowOf(v); }
+  /// Per cell, in which slices of depth, each sliceDepth() metres, a surface can be met: slice i is bit i.
+  [[nodiscard]] const std::int32_t* slices(int v) const { return slices_.data() + rowOf(v); }
+  [[nodiscard]] float sliceDepth() const { return 1.0F / constants_.per_slice; }
 
  private:
   [[nodiscard]] std::size_t rowOf(int v) const {
@@ -41,15 +42,17 @@ class RayBounds {
     float half;       // half edge of what a block bounds, metres
     float half_deep;  // half of the depth that it spans
     float lead;       // by how much rays start before it, to see the side before the surface
+    float per_slice;  // slices in a metre
     std::array<float, 9> R_CW;
     alignas(32) std::array<std::array<float, 64>, 3> offset;  // from the brick's centre to its blocks', frame C
   };
   static void draw(const Constants& c, const float* centre, std::uint64_t blocks, int stride, int rows, float* nearest,
-                   float* farthest);
+                   std::int32_t* slices);
 
   Constants constants_{};
   int stride_ = 0, rows_ = 0;  // cells
-  std::vector<float> nearest_, farthest_;
+  std::vector<float> nearest_;
+  std::vector<std::int32_t> slices_;
 };
 
 }  // namespace saccade

@@ -131,7 +131,8 @@ void SurfaceVolume::removeBricks(const std::function<bool(std::size_t)>& gone) {
 std::size_t SurfaceVolume::memoryBytes() const {
   return slabs_.size() * kSlabBricks * sizeof(SurfaceBrick) + slots_.capacity() * sizeof(slots_[0]) +
          positions_.capacity() * (sizeof(BrickPosition) + sizeof(SurfaceBrick*) + 2 * sizeof(std::uint64_t)) +
-         scratch_->directory.capacity() * (sizeof(scratch_->directory[0]) + 1);
+         scratch_->directory.capacity() * (sizeof(scratch_->directory[0]) + sizeof(scratch_->copies[0])) +
+         scratch_->samples.capacity() * sizeof(scratch_->samples[0]);
 }
 
 std::optional<double> SurfaceVolume::distanceAt(const Eigen::Vector3d& p_W) const {

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "core/lanes.hpp"
+#include "map/depth_windows.hpp"
 #include "map/surface_volume_scratch.hpp"
 #include "saccade/core/multiversion.hpp"
 #include "saccade/map/surface_volume.hpp"
@@ -24,12 +25,74 @@ struct Projection {
   float band;         // metres
   float near_square;  // square metres
   float weight_cap;   // in 1 / kWeightScale observations
+  std::array<float, 9> R_CW;
 };
+
+// Lanes of boxes that may hold something not hidden: of which a part lies less than the band behind something measured
+// in its direction. (x, y, z) are the boxes' centres in the camera frame; their edges are along the world's axes.
+SACCADE_INLINE IntLanes mayBeSeen(const Projection& p, const DepthWindows::Table& windows, const FloatLanes& x,
+                                  const FloatLanes& y, const FloatLanes& z, float half_m) {
+  constexpr float kNearest_m = 0.05F;  // nearer boxes have no useful bounds in the image
+  constexpr float kRounding_px = 0.05F;
+  const std::array<float, 9>& R = p.R_CW;
+  const FloatLanes near = z - half_m * (std::abs(R[6]) + std::abs(R[7]) + std::abs(R[8]));
+  const IntLanes close = near <= kNearest_m;
+  // A corner c + d of the box has x / z = c.x / c.z + (d.x - (c.x / c.z) d.z) / (c.z + d.z).
+  const FloatLanes per_z = 1.0F / (close ? allLanes(1.0F) : z);
+  const FloatLanes per_near = half_m / (close ? allLanes(1.0F) : near);
+  const FloatLanes tx = x * per_z, ty = y * per_z;
+  const FloatLanes across = magnitude(R[0] - tx * R[6]) + magnitude(R[1] - tx * R[7]) + magnitude(R[2] - tx * R[8]);
+  const FloatLanes down = magnitude(R[3] - ty * R[6]) + magnitude(R[4] - ty * R[7]) + magnitude(R[5] - ty * R[8]);
+  const FloatLanes farthest =
+      farthestAround(windows, p.fx * tx + (p.cx + 0.5F), p.fy * ty + (p.cy + 0.5F),
+                     p.fx * across * per_near + kRounding_px, p.fy * down * per_near + kRounding_px);
+  return close | (farthest > near - p.band);
+}
+
+// Writes the indices of those of the bricks around `centres` (x, y, z of each) that are not wholly hidden; returns how
+// many. `reached` has room for kLanes more than `count`.
+SACCADE_MULTIVERSION
+std::size_t findReached(const Projection& p, const DepthWindows::Table& windows, const float* centres,
+                        std::size_t count, float half_m, std::int32_t* reached) {
+  std::size_t found = 0;
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    FloatLanes x = {}, y = {}, z = {};
+    const std::size_t lanes = std::min<std::size_t>(kLanes, count - first);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      x[lane] = centres[3 * (first + lane)];
+      y[lane] = centres[3 * (first + lane) + 1];
+      z[lane] = centres[3 * (first + lane) + 2];
+    }
+    const unsigned seen = bitsOf(mayBeSeen(p, windows, x, y, z, half_m));
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      reached[found] = static_cast<std::int32_t>(first + lane);
+      found += seen >> lane & 1U;
+    }
+  }
+  return found;
+}
+
+// Quarters of a brick, 8 x 4 x 4 samples (x, y, z), bit y + 2 z: those that are not wholly hidden. `octants` are the
+// offsets from the brick's centre to those of its eighths, `half_m` half the edge of these.
+SACCADE_MULTIVERSION
+unsigned reachedQuarters(const Projection& p, const DepthWindows::Table& windows, const float* centre,
+                         const float* octants, float half_m) {
+  const unsigned seen =
+      bitsOf(mayBeSeen(p, windows, loadLanes(octants) + centre[0], loadLanes(octants + kLanes) + centre[1],
+                       loadLanes(octants + 2 * kLanes) + centre[2], half_m));
+  const unsigned pairs = seen | seen >> 1U;
+  return (pairs & 1U) | (pairs >> 1U & 2U) | (pairs >> 2U & 4U) | (pairs >> 3U & 8U);
+}
 
 // Updates the brick whose first sample lies at `first` in the camera frame; returns whether a sample was observed.
 SACCADE_MULTIVERSION
 bool fuseBrick(const Projection& p, const float* first, const float* x_offsets, const float* y_offsets,
-               const float* z_offsets, std::int16_t* distances, std::uint16_t* weights) {
+               const float* z_offsets, unsigned quarters, std::int16_t* distances, std::uint16_t* weights) {
+  constexpr std::size_t kRows = kSide * kSide;
+  alignas(32) float raws[kRows][kLanes], depths[kRows][kLanes];
+  alignas(32) std::int32_t seens[kRows][kLanes];
+  std::size_t rows[kRows];
+  std::size_t count = 0;
   const float x0 = first[0];
   const float y0 = first[1];
   const float z0 = first[2];
@@ -37,28 +100,38 @@ bool fuseBrick(const Projection& p, const float* first, const float* x_offsets, 
   const auto u_end = static_cast<float>(p.width), v_end = static_cast<float>(p.height);
   const float per_band = 1.0F / p.band;
   const FloatLanes zero = {};
-  IntLanes observed = {};
-  for (std::size_t i = 0; i < kSamples; i += kLanes) {
-    const FloatLanes x = x0 + loadLanes(x_offsets + i);
-    const FloatLanes y = y0 + loadLanes(y_offsets + i);
-    const FloatLanes z = z0 + loadLanes(z_offsets + i);
-    const FloatLanes per_z = 1.0F / z;
-    const FloatLanes u = p.fx * x * per_z + cx;
-    const FloatLanes v = p.fy * y * per_z + cy;
-    const IntLanes inside = (z > 0.01F) & (u >= zero) & (v >= zero) & (u < u_end) & (v < v_end);
-    if (!any(inside)) continue;
-    const IntLanes pixel = truncated(inside ? v : zero) * p.width + truncated(inside ? u : zero);
-    FloatLanes measured = {};
-    for (std::size_t lane = 0; lane < kLanes; ++lane) measured[lane] = p.depth[pixel[lane]];
-    // Along the ray: the difference of the depths times the length of the ray at depth 1.
-    FloatLanes length = x * x + y * y + z * z;
-    squareRoots(length);
-    const FloatLanes raw = (measured - z) * length * per_z * per_band;
-    const IntLanes seen = inside & (measured > zero) & (raw > -1.0F);
-    if (!any(seen)) continue;
-    observed |= seen;
-
-    const FloatLanes target = least(raw, allLanes(1.0F)) * SurfaceBrick::kDistanceScale;
+  for (unsigned quarter = 0; quarter < 4; ++quarter) {
+    if ((quarters >> quarter & 1U) == 0) continue;
+    const std::size_t corner = kSide * (4 * (quarter & 1U) + kSide * (4 * (quarter >> 1U)));
+    for (std::size_t row = 0; row < 16; ++row) {
+      const std::size_t i = corner + kSide * ((row & 3U) + kSide * (row >> 2U));
+      const FloatLanes x = x0 + loadLanes(x_offsets + i);
+      const FloatLanes y = y0 + loadLanes(y_offsets + i);
+      const FloatLanes z = z0 + loadLanes(z_offsets + i);
+      const FloatLanes per_z = 1.0F / z;
+      const FloatLanes u = p.fx * x * per_z + cx;
+      const FloatLanes v = p.fy * y * per_z + cy;
+      const IntLanes inside = (z > 0.01F) & (u >= zero) & (v >= zero) & (u < u_end) & (v < v_end);
+      const IntLanes pixel = truncated(inside ? v : zero) * p.width + truncated(inside ? u : zero);
+      FloatLanes measured = {};
+      for (std::size_t lane = 0; lane < kLanes; ++lane) measured[lane] = p.depth[pixel[lane]];
+      // Along the ray: the difference of the depths times the length of the ray at depth 1.
+      FloatLanes length = x * x + y * y + z * z;
+      squareRoots(length);
+      const FloatLanes raw = (measured - z) * length * per_z * per_band;
+      const IntLanes seen = inside & (measured > zero) & (raw > -1.0F);
+      storeLanes(raw, raws[count]);
+      storeLanes(measured, depths[count]);
+      storeLanes(seen, seens[count]);
+      rows[count] = i;
+      count += any(seen) ? 1 : 0;
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = rows[k];
+    const FloatLanes measured = loadLanes(depths[k]);
+    const IntLanes seen = loadLanes(seens[k]);
+    const FloatLanes target = least(loadLanes(raws[k]), allLanes(1.0F)) * SurfaceBrick::kDistanceScale;
     const FloatLanes share = least(allLanes(1.0F), p.near_square / (measured * measured));
     Distances stored_distance;
     Weights stored_weight;
@@ -78,51 +151,59 @@ bool fuseBrick(const Projection& p, const float* first, const float* x_offsets, 
     std::memcpy(distances + i, &stored_distance, sizeof stored_distance);
     std::memcpy(weights + i, &stored_weight, sizeof stored_weight);
   }
-  return any(observed);
+  return count > 0;
 }
 
-// Largest depth of each tile of the image, 0 where nothing is measured.
-void computeFarthest(const cv::Mat1f& depth, std::vector<float>& farthest) {
-  const int columns = (depth.cols + kIntegrationTile - 1) / kIntegrationTile;
-  const int rows = (depth.rows + kIntegrationTile - 1) / kIntegrationTile;
-  farthest.assign(static_cast<std::size_t>(columns * rows), 0.0F);
-  for (int v = 0; v < depth.rows; ++v) {
-    float* out = farthest.data() + static_cast<std::ptrdiff_t>(v / kIntegrationTile) * columns;
-    const float* in = depth[v];
-    for (int tile = 0; tile < columns; ++tile) {
-      const int end = std::min(depth.cols, (tile + 1) * kIntegrationTile);
-      float most = out[tile];
-      for (int u = tile * kIntegrationTile; u < end; ++u) most = std::max(most, in[u]);
-      out[tile] = most;
-    }
-  }
+// A row of an image: pixel u at depth z lies at origin + z * (start + u * column), in bricks from `home` on.
+struct BandRays {
+  float origin[3], start[3], column[3];
+  std::int32_t home[3];
+  int stride;           // pixels
+  int steps;            // from one end of the band to the other
+  float before, apart;  // where the first step lies from the measured depth, and how far they are apart, metres
+  float max_range;      // metres
+};
+
+constexpr unsigned kKnownBits = 4;  // of a position along each axis
+constexpr BrickPosition kNowhere{INT32_MIN, INT32_MIN, INT32_MIN};
+
+std::size_t slotOf(const BrickPosition& p) {
+  constexpr unsigned kMask = (1U << kKnownBits) - 1U;
+  return (static_cast<unsigned>(p.x) & kMask) | (static_cast<unsigned>(p.y) & kMask) << kKnownBits |
+         (static_cast<unsigned>(p.z) & kMask) << 2 * kKnownBits;
 }
 
-// Whether something measured in the projection of a ball lies farther than `nearest`.
-bool reaches(const std::vector<float>& farthest, const PinholeCamera& camera, const Eigen::Vector3f& centre,
-             float radius, float nearest) {
-  const float z = centre.z() - radius;
-  if (z <= 0.05F) return true;  // the camera is in it or nearly so
-  const int columns = (camera.width + kIntegrationTile - 1) / kIntegrationTile;
-  const int rows = (camera.height + kIntegrationTile - 1) / kIntegrationTile;
-  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  // The ball's silhouette reaches at most radius / (z - radius) beyond either side of its centre, off the axis a little
-  // more on the far side of it; the tangent through the nearest depth bounds both.
-  const float u = fx * centre.x() / centre.z() + static_cast<float>(camera.cx);
-  const float v = fy * centre.y() / centre.z() + static_cast<float>(camera.cy);
-  const float spread_u = fx * radius / z * (1.0F + std::abs(centre.x()) / centre.z()) + 1.0F;
-  const float spread_v = fy * radius / z * (1.0F + std::abs(centre.y()) / centre.z()) + 1.0F;
-  const auto clampTile = [](float pixel, int count) {
-    return static_cast<int>(std::clamp(pixel / kIntegrationTile, 0.0F, static_cast<float>(count - 1)));
-  };
-  const int u0 = clampTile(u - spread_u, columns), u1 = clampTile(u + spread_u, columns);
-  const int v0 = clampTile(v - spread_v, rows), v1 = clampTile(v + spread_v, rows);
-  for (int row = v0; row <= v1; ++row) {
-    for (int column = u0; column <= u1; ++column) {
-      if (farthest[static_cast<std::size_t>(row * columns + column)] > nearest) return true;
+// Writes the bricks in which every stride-th pixel's ray meets the band, one for each step; returns how many.
+SACCADE_MULTIVERSION
+std::size_t findBand(const BandRays& rays, const float* depth, int width, BrickPosition* met) {
+  std::size_t count = 0;
+  const IntLanes lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  for (int u = 0; u < width; u += rays.stride * kLanes) {
+    FloatLanes z = {};
+    for (int i = 0; i < kLanes; ++i) {
+      const int at = u + i * rays.stride;
+      z[i] = at < width ? depth[at] : 0.0F;
+    }
+    const unsigned measured = bitsOf((z > 0.0F) & (z <= rays.max_range));
+    if (measured == 0) continue;
+    const FloatLanes column = toFloat(lane * rays.stride + u);
+    FloatLanes direction[3];
+    for (std::size_t axis = 0; axis < 3; ++axis) direction[axis] = rays.start[axis] + column * rays.column[axis];
+    for (int k = 0; k <= rays.steps; ++k) {
+      const FloatLanes at = z + (rays.before + static_cast<float>(k) * rays.apart);
+      alignas(32) std::int32_t position[3][kLanes];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const FloatLanes p = rays.origin[axis] + at * direction[axis];
+        const IntLanes whole = truncated(p);
+        storeLanes(whole + (toFloat(whole) > p) + rays.home[axis], position[axis]);  // true is -1: rounds down
+      }
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        met[count] = {position[0][i], position[1][i], position[2][i]};
+        count += measured >> i & 1U;
+      }
     }
   }
-  return false;
+  return count;
 }
 
 }  // namespace
@@ -150,27 +231,39 @@ std::uint64_t blocksBehind(const SurfaceBrick& brick, double band_samples) {
 void SurfaceVolume::allocateBand(const DepthMaps& depth, const Pose& T_WC) {
   const PinholeCamera& camera = depth.camera;
   const double brick_m = kSide * config_.cell_m;
-  // Neighbouring samples of the image are at most half a brick apart on a surface that faces the camera.
-  const int stride = std::clamp(static_cast<int>(0.5 * brick_m * camera.fx / config_.max_range_m), 1, 4);
   const double band = config_.band_cells * config_.cell_m;
-  const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * band / (0.5 * brick_m))));
-  const Eigen::Matrix3f R = (T_WC.linear() / brick_m).cast<float>();
-  const Eigen::Vector3f t = (T_WC.translation() / brick_m).cast<float>();
-  const auto max_range = static_cast<float>(config_.max_range_m);
-  for (int v = 0; v < camera.height; v += stride) {
-    BrickPosition last{INT32_MIN, 0, 0};
-    for (int u = 0; u < camera.width; u += stride) {
-      const float z = depth.depth_m(v, u);
-      if (!(z > 0.0F) || z > max_range) continue;
-      const Eigen::Vector3f ray = R * camera.unproject(u, v, 1.0).cast<float>();
-      for (int k = 0; k <= steps; ++k) {
-        const float at = z + static_cast<float>(band * (2.0 * k / steps - 1.0));
-        const Eigen::Vector3f b = (t + at * ray).array().floor();
-        const BrickPosition position{static_cast<int>(b.x()), static_cast<int>(b.y()), static_cast<int>(b.z())};
-        if (position == last) continue;
-        last = position;
-        findOrAllocate(position);
-      }
+  BandRays rays{};
+  // Neighbouring samples of the image are at most half a brick apart on a surface that faces the camera, and so are
+  // those of a ray.
+  rays.stride = std::clamp(static_cast<int>(0.5 * brick_m * camera.fx / config_.max_range_m), 1, 4);
+  rays.steps = std::max(1, static_cast<int>(std::ceil(2.0 * band / (0.5 * brick_m))));
+  rays.before = static_cast<float>(-band);
+  rays.apart = static_cast<float>(2.0 * band / rays.steps);
+  rays.max_range = static_cast<float>(config_.max_range_m);
+  const Eigen::Vector3d t = T_WC.translation() / brick_m;
+  const Eigen::Vector3d home = t.array().floor();
+  const Eigen::Matrix3d R = T_WC.linear() / brick_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    rays.origin[axis] = static_cast<float>(t[axis] - home[axis]);
+    rays.home[axis] = static_cast<int>(home[axis]);
+    rays.column[axis] = static_cast<float>(R(axis, 0) / camera.fx);
+  }
+
+  std::vector<BrickPosition>& met = scratch_->met;
+  std::vector<BrickPosition>& known = scratch_->known;
+  const auto samples = static_cast<std::size_t>((camera.width + rays.stride - 1) / rays.stride + kLanes);
+  met.resize(samples * static_cast<std::size_t>(rays.steps + 1));
+  known.assign(std::size_t{1} << (3 * kKnownBits), kNowhere);
+  for (int v = 0; v < camera.height; v += rays.stride) {
+    const Eigen::Vector3d start = R * camera.unproject(0.0, v, 1.0);
+    for (int axis = 0; axis < 3; ++axis) rays.start[axis] = static_cast<float>(start[axis]);
+    const std::size_t count = findBand(rays, depth.depth_m[v], camera.width, met.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      // Few rays meet a brick first: it is looked up once, until another one takes its place here.
+      BrickPosition& same = known[slotOf(met[i])];
+      if (same == met[i]) continue;
+      same = met[i];
+      findOrAllocate(met[i]);
     }
   }
 }
@@ -180,11 +273,13 @@ void SurfaceVolume::integrate(const DepthMaps& depth, const Pose& T_WC) {
   ++changes_;
   allocateBand(depth, T_WC);
   findVisible(depth.camera, T_WC);
-  computeFarthest(depth.depth_m, scratch_->farthest);
+  if (scratch_->visible.empty()) return;
+  scratch_->windows.build(depth.depth_m);
 
   const PinholeCamera& camera = depth.camera;
   const auto cell = static_cast<float>(config_.cell_m);
-  const Eigen::Matrix3f R = T_WC.linear().transpose().cast<float>() * cell;
+  const Eigen::Matrix3f R_CW = T_WC.linear().transpose().cast<float>();
+  const Eigen::Matrix3f R = R_CW * cell;
   for (int i = 0; i < kSamples; ++i) {
     const Eigen::Vector3f offset = R * Eigen::Vector3i(i & 7, (i >> 3) & 7, i >> 6).cast<float>();
     for (int axis = 0; axis < 3; ++axis) {
@@ -193,27 +288,40 @@ void SurfaceVolume::integrate(const DepthMaps& depth, const Pose& T_WC) {
   }
   const float band = static_cast<float>(config_.band_cells) * cell;
   const auto near_weight = static_cast<float>(config_.near_weight_m);
-  const Projection projection{depth.depth_m[0],
-                              camera.width,
-                              camera.height,
-                              static_cast<float>(camera.fx),
-                              static_cast<float>(camera.fy),
-                              static_cast<float>(camera.cx),
-                              static_cast<float>(camera.cy),
-                              band,
-                              near_weight * near_weight,
-                              static_cast<float>(config_.weight_cap) * SurfaceBrick::kWeightScale};
-  const float radius = std::sqrt(3.0F) / 2.0F * kSide * cell;
+  Projection projection{depth.depth_m[0],
+                        camera.width,
+                        camera.height,
+                        static_cast<float>(camera.fx),
+                        static_cast<float>(camera.fy),
+                        static_cast<float>(camera.cx),
+                        static_cast<float>(camera.cy),
+                        band,
+                        near_weight * near_weight,
+                        static_cast<float>(config_.weight_cap) * SurfaceBrick::kWeightScale,
+                        {}};
+  for (int i = 0; i < 9; ++i) projection.R_CW[static_cast<std::size_t>(i)] = R_CW(i / 3, i % 3);
+  alignas(32) std::array<float, 3 * kLanes> octants;
+  for (int octant = 0; octant < kLanes; ++octant) {
+    const Eigen::Vector3i side(octant & 1, octant >> 1 & 1, octant >> 2);
+    const Eigen::Vector3f offset = R * (4.0F * side.cast<float>() - Eigen::Vector3f::Constant(2.0F));
+    for (int axis = 0; axis < 3; ++axis) octants[static_cast<std::size_t>(axis * kLanes + octant)] = offset[axis];
+  }
   const Eigen::Vector3f to_first = -R * Eigen::Vector3f::Constant((kSide - 1) / 2.0F);
-  for (std::size_t i = 0; i < scratch_->visible.size(); ++i) {
-    const Eigen::Vector3f& centre = scratch_->centres[i];
-    // Wholly behind everything that is measured in its direction: hidden, nothing is learnt about it.
-    if (!reaches(scratch_->farthest, camera, centre, radius, centre.z() - radius - band)) continue;
-    const auto index = static_cast<std::size_t>(scratch_->visible[i]);
+  const DepthWindows::Table& windows = scratch_->windows.table();
+  std::vector<std::int32_t>& reached = scratch_->reached;
+  const std::size_t visible = scratch_->visible.size();
+  reached.resize(visible + kLanes);
+  reached.resize(findReached(projection, windows, scratch_->centres[0].data(), visible, (kSide - 1) / 2.0F * cell,
+                             reached.data()));
+  for (const std::int32_t i : reached) {
+    const Eigen::Vector3f& centre = scratch_->centres[static_cast<std::size_t>(i)];
+    const unsigned quarters = reachedQuarters(projection, windows, centre.data(), octants.data(), 1.5F * cell);
+    if (quarters == 0) continue;
+    const auto index = static_cast<std::size_t>(scratch_->visible[static_cast<std::size_t>(i)]);
     const Eigen::Vector3f first = centre + to_first;
-    const bool observed =
-        fuseBrick(projection, first.data(), scratch_->offsets[0].data(), scratch_->offsets[1].data(),
-                  scratch_->offsets[2].data(), bricks_[index]->distance.data(), bricks_[index]->weight.data());
+    const bool observed = fuseBrick(projection, first.data(), scratch_->offsets[0].data(), scratch_->offsets[1].data(),
+                                    scratch_->offsets[2].data(), quarters, bricks_[index]->distance.data(),
+                                    bricks_[index]->weight.data());
     if (!observed) continue;
     behind_[index] = blocksBehind(*bricks_[index], config_.band_cells);
     last_change_[index] = changes_;

@@ -8,7 +8,9 @@
 
 #include <Eigen/Core>
 
+#include "map/depth_windows.hpp"
 #include "map/ray_bounds.hpp"
+#include "map/ray_march.hpp"
 #include "saccade/map/surface_volume.hpp"
 
 namespace saccade {
@@ -21,22 +23,26 @@ struct SurfaceVolume::Scratch {
   std::vector<std::int32_t> visible;
   std::vector<Eigen::Vector3f> centres;
 
-  /// integrate(): camera-frame offsets of a brick's samples from its first one, and the largest depth of each tile.
-  std::array<std::array<float, SurfaceBrick::kSamples>, 3> offsets;
-  std::vector<float> farthest;
+  /// allocateBand(): bricks met by the rays of one row, and those that were found last.
+  std::vector<BrickPosition> met, known;
 
-  /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, null where
-  /// there is none. All null between two calls.
+  /// integrate(): camera-frame offsets of a brick's samples from its first one, and which of `visible` are not hidden.
+  std::array<std::array<float, SurfaceBrick::kSamples>, 3> offsets;
+  DepthWindows windows;
+  std::vector<std::int32_t> reached;
+
+  /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, `unknown` where there is none,
+  /// and those of them that a surface runs through, see SurfaceGrid.
   std::vector<const SurfaceBrick*> directory;
-  std::vector<std::uint8_t> no_surface;  ///< by brick of the directory; 1 as well where there is no brick
+  std::vector<std::int32_t> copies;
+  std::vector<std::int16_t> samples;
   SurfaceBrick unknown{};
-  std::vector<std::size_t> filled;
+  std::vector<std::size_t> filled, surface;
   Eigen::Vector3i origin = Eigen::Vector3i::Zero();
   Eigen::Vector3i extent = Eigen::Vector3i::Zero();
   RayBounds bounds;
+  RayQueue rays;
 };
-
-inline constexpr int kIntegrationTile = 16;  ///< pixels
 
 /// The 2 x 2 x 2 blocks of a brick that hold a sample close behind a surface, as bits (see RayBounds).
 [[nodiscard]] std::uint64_t blocksBehind(const SurfaceBrick& brick, double band_samples);
