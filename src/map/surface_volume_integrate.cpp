@@ -28,10 +28,15 @@ struct Projection {
   std::array<float, 9> R_CW;
 };
 
-// Lanes of boxes that may hold something not hidden: of which a part lies less than the band behind something measured
-// in its direction. (x, y, z) are the boxes' centres in the camera frame; their edges are along the world's axes.
-SACCADE_INLINE IntLanes mayBeSeen(const Projection& p, const DepthWindows::Table& windows, const FloatLanes& x,
-                                  const FloatLanes& y, const FloatLanes& z, float half_m) {
+// Of eight boxes, those that may hold something not hidden, of which a part lies less than the band behind something
+// measured in its direction; and those that lie in the frustum.
+struct SeenBoxes {
+  IntLanes reached, inside;
+};
+
+// (x, y, z) are the boxes' centres in the camera frame; their edges are along the world's axes.
+SACCADE_INLINE void lookAtBoxes(const Projection& p, const DepthWindows::Table& windows, const FloatLanes& x,
+                                const FloatLanes& y, const FloatLanes& z, float half_m, SeenBoxes& boxes) {
   constexpr float kNearest_m = 0.05F;  // nearer boxes have no useful bounds in the image
   constexpr float kRounding_px = 0.05F;
   const std::array<float, 9>& R = p.R_CW;
@@ -43,10 +48,11 @@ SACCADE_INLINE IntLanes mayBeSeen(const Projection& p, const DepthWindows::Table
   const FloatLanes tx = x * per_z, ty = y * per_z;
   const FloatLanes across = magnitude(R[0] - tx * R[6]) + magnitude(R[1] - tx * R[7]) + magnitude(R[2] - tx * R[8]);
   const FloatLanes down = magnitude(R[3] - ty * R[6]) + magnitude(R[4] - ty * R[7]) + magnitude(R[5] - ty * R[8]);
-  const FloatLanes farthest =
-      farthestAround(windows, p.fx * tx + (p.cx + 0.5F), p.fy * ty + (p.cy + 0.5F),
-                     p.fx * across * per_near + kRounding_px, p.fy * down * per_near + kRounding_px);
-  return close | (farthest > near - p.band);
+  const FloatLanes u = p.fx * tx + (p.cx + 0.5F), v = p.fy * ty + (p.cy + 0.5F);
+  const FloatLanes reach_u = p.fx * across * per_near + kRounding_px, reach_v = p.fy * down * per_near + kRounding_px;
+  boxes.reached = close | (farthestAround(windows, u, v, reach_u, reach_v) > near - p.band);
+  boxes.inside = ~close & (u - reach_u > 0.0F) & (v - reach_v > 0.0F) & (u + reach_u < static_cast<float>(p.width)) &
+                 (v + reach_v < static_cast<float>(p.height));
 }
 
 // Writes the indices of those of the bricks around `centres` (x, y, z of each) that are not wholly hidden; returns how
@@ -63,7 +69,9 @@ std::size_t findReached(const Projection& p, const DepthWindows::Table& windows,
       y[lane] = centres[3 * (first + lane) + 1];
       z[lane] = centres[3 * (first + lane) + 2];
     }
-    const unsigned seen = bitsOf(mayBeSeen(p, windows, x, y, z, half_m));
+    SeenBoxes boxes;
+    lookAtBoxes(p, windows, x, y, z, half_m, boxes);
+    const unsigned seen = bitsOf(boxes.reached);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       reached[found] = static_cast<std::int32_t>(first + lane);
       found += seen >> lane & 1U;
@@ -72,66 +80,98 @@ std::size_t findReached(const Projection& p, const DepthWindows::Table& windows,
   return found;
 }
 
-// Quarters of a brick, 8 x 4 x 4 samples (x, y, z), bit y + 2 z: those that are not wholly hidden. `octants` are the
-// offsets from the brick's centre to those of its eighths, `half_m` half the edge of these.
+constexpr unsigned kWhollyInside = 16;
+
+// Quarters of a brick, 8 x 4 x 4 samples (x, y, z), bit y + 2 z: those that are not wholly hidden; and kWhollyInside if
+// all lie in the frustum. `octants` are the offsets from the brick's centre to those of its eighths, `half_m` half the
+// edge of these.
 SACCADE_MULTIVERSION
 unsigned reachedQuarters(const Projection& p, const DepthWindows::Table& windows, const float* centre,
                          const float* octants, float half_m) {
-  const unsigned seen =
-      bitsOf(mayBeSeen(p, windows, loadLanes(octants) + centre[0], loadLanes(octants + kLanes) + centre[1],
-                       loadLanes(octants + 2 * kLanes) + centre[2], half_m));
+  SeenBoxes boxes;
+  lookAtBoxes(p, windows, loadLanes(octants) + centre[0], loadLanes(octants + kLanes) + centre[1],
+              loadLanes(octants + 2 * kLanes) + centre[2], half_m, boxes);
+  const unsigned seen = bitsOf(boxes.reached);
+  if (seen == 0) return 0;
   const unsigned pairs = seen | seen >> 1U;
-  return (pairs & 1U) | (pairs >> 1U & 2U) | (pairs >> 2U & 4U) | (pairs >> 3U & 8U);
+  return (pairs & 1U) | (pairs >> 1U & 2U) | (pairs >> 2U & 4U) | (pairs >> 3U & 8U) |
+         (any(~boxes.inside) ? 0U : kWhollyInside);
 }
 
-// Updates the brick whose first sample lies at `first` in the camera frame; returns whether a sample was observed.
-SACCADE_MULTIVERSION
-bool fuseBrick(const Projection& p, const float* first, const float* x_offsets, const float* y_offsets,
-               const float* z_offsets, unsigned quarters, std::int16_t* distances, std::uint16_t* weights) {
-  constexpr std::size_t kRows = kSide * kSide;
-  alignas(32) float raws[kRows][kLanes], depths[kRows][kLanes];
-  alignas(32) std::int32_t seens[kRows][kLanes];
-  std::size_t rows[kRows];
+// Eight samples that learn something: how far the measured surface is beyond each, as a share of the band, the depth
+// measured there, and which of them do.
+struct SeenRow {
+  alignas(32) float beyond[kLanes];
+  alignas(32) float measured[kLanes];
+  alignas(32) std::int32_t seen[kLanes];
+  std::size_t first;  // of the samples
+};
+
+struct BrickView {
+  const float* first;       // position of the first sample in the camera frame
+  const float* offsets[3];  // of all samples from it, by axis
+  unsigned quarters;        // those that are looked at
+};
+
+// Compares a brick with the image and writes those of its rows that learn something to `rows`; returns how many.
+// `kInside`: the brick lies in the frustum.
+template <bool kInside>
+SACCADE_INLINE std::size_t compare(const Projection& p, const BrickView& brick, SeenRow* rows) {
   std::size_t count = 0;
-  const float x0 = first[0];
-  const float y0 = first[1];
-  const float z0 = first[2];
+  const float x0 = brick.first[0], y0 = brick.first[1], z0 = brick.first[2];
   const float cx = p.cx + 0.5F, cy = p.cy + 0.5F;
   const auto u_end = static_cast<float>(p.width), v_end = static_cast<float>(p.height);
   const float per_band = 1.0F / p.band;
   const FloatLanes zero = {};
   for (unsigned quarter = 0; quarter < 4; ++quarter) {
-    if ((quarters >> quarter & 1U) == 0) continue;
+    if ((brick.quarters >> quarter & 1U) == 0) continue;
     const std::size_t corner = kSide * (4 * (quarter & 1U) + kSide * (4 * (quarter >> 1U)));
     for (std::size_t row = 0; row < 16; ++row) {
       const std::size_t i = corner + kSide * ((row & 3U) + kSide * (row >> 2U));
-      const FloatLanes x = x0 + loadLanes(x_offsets + i);
-      const FloatLanes y = y0 + loadLanes(y_offsets + i);
-      const FloatLanes z = z0 + loadLanes(z_offsets + i);
+      const FloatLanes x = x0 + loadLanes(brick.offsets[0] + i);
+      const FloatLanes y = y0 + loadLanes(brick.offsets[1] + i);
+      const FloatLanes z = z0 + loadLanes(brick.offsets[2] + i);
       const FloatLanes per_z = 1.0F / z;
-      const FloatLanes u = p.fx * x * per_z + cx;
-      const FloatLanes v = p.fy * y * per_z + cy;
-      const IntLanes inside = (z > 0.01F) & (u >= zero) & (v >= zero) & (u < u_end) & (v < v_end);
-      const IntLanes pixel = truncated(inside ? v : zero) * p.width + truncated(inside ? u : zero);
+      FloatLanes u = p.fx * x * per_z + cx;
+      FloatLanes v = p.fy * y * per_z + cy;
+      IntLanes inside;
+      if constexpr (!kInside) {
+        inside = (z > 0.01F) & (u >= zero) & (v >= zero) & (u < u_end) & (v < v_end);
+        u = inside ? u : zero;
+        v = inside ? v : zero;
+      }
+      alignas(32) std::uint32_t pixel[kLanes];
+      const IntLanes pixels = truncated(v) * p.width + truncated(u);
+      std::memcpy(pixel, &pixels, sizeof pixel);
       FloatLanes measured = {};
       for (std::size_t lane = 0; lane < kLanes; ++lane) measured[lane] = p.depth[pixel[lane]];
       // Along the ray: the difference of the depths times the length of the ray at depth 1.
       FloatLanes length = x * x + y * y + z * z;
       squareRoots(length);
-      const FloatLanes raw = (measured - z) * length * per_z * per_band;
-      const IntLanes seen = inside & (measured > zero) & (raw > -1.0F);
-      storeLanes(raw, raws[count]);
-      storeLanes(measured, depths[count]);
-      storeLanes(seen, seens[count]);
-      rows[count] = i;
+      const FloatLanes beyond = (measured - z) * length * per_z * per_band;
+      IntLanes seen = (measured > zero) & (beyond > -1.0F);
+      if constexpr (!kInside) seen &= inside;
+      storeLanes(beyond, rows[count].beyond);
+      storeLanes(measured, rows[count].measured);
+      storeLanes(seen, rows[count].seen);
+      rows[count].first = i;
       count += any(seen) ? 1 : 0;
     }
   }
+  return count;
+}
+
+// Updates a brick; returns whether a sample was observed.
+SACCADE_MULTIVERSION
+bool fuseBrick(const Projection& p, const BrickView& brick, std::int16_t* distances, std::uint16_t* weights) {
+  SeenRow rows[kSide * kSide];
+  const std::size_t count =
+      (brick.quarters & kWhollyInside) != 0 ? compare<true>(p, brick, rows) : compare<false>(p, brick, rows);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t i = rows[k];
-    const FloatLanes measured = loadLanes(depths[k]);
-    const IntLanes seen = loadLanes(seens[k]);
-    const FloatLanes target = least(loadLanes(raws[k]), allLanes(1.0F)) * SurfaceBrick::kDistanceScale;
+    const std::size_t i = rows[k].first;
+    const FloatLanes measured = loadLanes(rows[k].measured);
+    const IntLanes seen = loadLanes(rows[k].seen);
+    const FloatLanes target = least(loadLanes(rows[k].beyond), allLanes(1.0F)) * SurfaceBrick::kDistanceScale;
     const FloatLanes share = least(allLanes(1.0F), p.near_square / (measured * measured));
     Distances stored_distance;
     Weights stored_weight;
@@ -208,22 +248,21 @@ std::size_t findBand(const BandRays& rays, const float* depth, int width, BrickP
 
 }  // namespace
 
+SACCADE_MULTIVERSION
 std::uint64_t blocksBehind(const SurfaceBrick& brick, double band_samples) {
   // Both signs meet at a surface, where distances change by one sample a sample: two are enough for any diagonal.
   const auto deepest =
       static_cast<std::int16_t>(-SurfaceBrick::kDistanceScale * static_cast<float>(2.0 / band_samples));
-  using Row = std::int16_t __attribute__((vector_size(16)));
+  using Lines = std::int16_t __attribute__((vector_size(32)));  // two lines of samples, one after the other in y
   std::uint64_t blocks = 0;
   for (unsigned row = 0; row < 16; ++row) {  // of blocks: y from 0 to 3 in each of four z
     const std::int16_t* first = &brick.distance[(row & 3U) * 2 * kSide + (row >> 2U) * 2 * kSide * kSide];
-    Row behind = {};
-    for (const int line : {0, kSide, kSide * kSide, kSide * kSide + kSide}) {
-      Row samples;
-      std::memcpy(&samples, first + line, sizeof samples);
-      behind |= (samples < 0) & (samples > deepest);
-    }
-    const auto pairs = reinterpret_cast<std::int32_t __attribute__((vector_size(16)))>(behind);
-    for (unsigned x = 0; x < 4; ++x) blocks |= std::uint64_t{pairs[x] != 0} << (4 * row + x);
+    Lines here, above;
+    std::memcpy(&here, first, sizeof here);
+    std::memcpy(&above, first + kSide * kSide, sizeof above);
+    const Lines behind = ((here < 0) & (here > deepest)) | ((above < 0) & (above > deepest));
+    const unsigned pairs = bitsOf(reinterpret_cast<IntLanes>(behind) != 0);
+    blocks |= std::uint64_t{(pairs | pairs >> 4U) & 15U} << 4 * row;
   }
   return blocks;
 }
@@ -319,9 +358,10 @@ void SurfaceVolume::integrate(const DepthMaps& depth, const Pose& T_WC) {
     if (quarters == 0) continue;
     const auto index = static_cast<std::size_t>(scratch_->visible[static_cast<std::size_t>(i)]);
     const Eigen::Vector3f first = centre + to_first;
-    const bool observed = fuseBrick(projection, first.data(), scratch_->offsets[0].data(), scratch_->offsets[1].data(),
-                                    scratch_->offsets[2].data(), quarters, bricks_[index]->distance.data(),
-                                    bricks_[index]->weight.data());
+    const BrickView brick{first.data(),
+                          {scratch_->offsets[0].data(), scratch_->offsets[1].data(), scratch_->offsets[2].data()},
+                          quarters};
+    const bool observed = fuseBrick(projection, brick, bricks_[index]->distance.data(), bricks_[index]->weight.data());
     if (!observed) continue;
     behind_[index] = blocksBehind(*bricks_[index], config_.band_cells);
     last_change_[index] = changes_;
