@@ -41,6 +41,13 @@ class TasksBeside : public tbb::task_group {
   TasksBeside& operator=(const TasksBeside&) = delete;
 };
 
+/// What tracking found for the frame that comes next, ahead of its turn.
+struct TrackedAhead {
+  Pose prediction;  ///< what it began with
+  Tracking tracking;
+  StageClock clock;
+};
+
 }  // namespace
 
 /// The stages of figure 1 and what they keep from frame to frame.
@@ -79,6 +86,7 @@ struct Explorer::Stages {
   MapPager* pager = nullptr;
 
   ModelView model;
+  std::optional<TrackedAhead> ahead;                  ///< void once the surface or the motion is changed from outside
   std::vector<LeafKey> forgotten;                     ///< leaves that this frame's integration freed
   std::vector<std::vector<LeafKey>> attended_leaves;  ///< recycled: leaves by candidate, and their union
   std::vector<LeafKey> together;
@@ -86,10 +94,12 @@ struct Explorer::Stages {
 
   void bringBack(const Pose& T_WC);
   Tracking track(const DepthMaps& depth, double stamp_s, StageClock& clock);
+  Tracking follow(const DepthMaps& depth, const Pose& prediction, StageClock& clock);
+  void trackAhead(const Pose& prediction);
   void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
   void remember(std::shared_ptr<const Keyframe> keyframe);
-  const IorView* mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking, StageClock& clock,
-                          TasksBeside& beside);
+  const IorView* mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking,
+                          const RgbdFrame* tracked_next, StageClock& clock, TasksBeside& beside);
   [[nodiscard]] const FrameLook& lookAtDepth(const RgbdFrame& frame);
   FrameLook& lookAndMap(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed,
                         FrameReport& report, StageClock& clock, TasksBeside& beside);
@@ -112,6 +122,10 @@ void Explorer::Stages::bringBack(const Pose& T_WC) {
 Tracking Explorer::Stages::track(const DepthMaps& depth, double stamp_s, StageClock& clock) {
   if (depth.depth_m.empty()) return {};  // colour alone cannot be tracked: lost
   const Pose prediction = motion.predict(stamp_s);
+  if (const auto done = std::exchange(ahead, std::nullopt); done && done->prediction.matrix() == prediction.matrix()) {
+    clock.add(done->clock.stages());
+    return done->tracking;
+  }
   bringBack(prediction);
   const bool all_here = pager == nullptr || pager->holdsNothing();
   if (surface.empty() && all_here) {  // the first frame: W is its camera
@@ -120,8 +134,22 @@ Tracking Explorer::Stages::track(const DepthMaps& depth, double stamp_s, StageCl
     first.status = TrackingStatus::kTracked;
     return first;
   }
+  return follow(depth, prediction, clock);
+}
+
+Tracking Explorer::Stages::follow(const DepthMaps& depth, const Pose& prediction, StageClock& clock) {
   clock.time("model view", [&] { surface.rayCast(camera.reducedBy(kModelReduction), prediction, model); });
   return clock.time("track", [&] { return tracker.track(depth, model, prediction); });
+}
+
+/// Tracks the frame that the looks have ahead. That needs the surface volume, which has learnt from the frame before it
+/// long before the octree has.
+void Explorer::Stages::trackAhead(const Pose& prediction) {
+  const FrameLook& look = looks.depthAhead();
+  if (!look.has_depth || surface.empty()) return;
+  TrackedAhead found{prediction, {}, {}};
+  found.tracking = follow(look.depth, prediction, found.clock);
+  ahead = found;
 }
 
 /// Looks for a lost camera among the keyframes. If the surface verifies a place, tracking goes on from there.
@@ -141,15 +169,20 @@ void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
 }
 
 /// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost. The
-/// surface volume, which nobody asks before the next frame, learns `beside` the map.
+/// surface volume, which only tracking asks, learns `beside` the map; then `tracked_next`, if any, is tracked there.
 const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking,
-                                          StageClock& clock, TasksBeside& beside) {
+                                          const RgbdFrame* tracked_next, StageClock& clock, TasksBeside& beside) {
   surface_clock = StageClock();
   if (tracking.status == TrackingStatus::kLost) return nullptr;
   motion.observe(frame.stamp_s, tracking.T_WC);
   bringBack(tracking.T_WC);
   if (tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty()) {
-    beside.run([&] { surface_clock.time("integrate surface", [&] { surface.integrate(depth, tracking.T_WC); }); });
+    const std::optional<Pose> prediction =
+        tracked_next != nullptr ? std::optional(motion.predict(tracked_next->stamp_s)) : std::nullopt;
+    beside.run([this, &depth, T_WC = tracking.T_WC, prediction] {
+      surface_clock.time("integrate surface", [&] { surface.integrate(depth, T_WC); });
+      if (prediction) trackAhead(*prediction);
+    });
     forgotten = clock.time("integrate map", [&] { return map.integrate(depth, frame.color, tracking.T_WC).forgotten; });
   }
   return clock.time("2D IOR map", [&] { return &renderer.renderIor(map.view(), camera, tracking.T_WC); });
@@ -186,6 +219,7 @@ Explorer::Explorer(const ExplorerConfig& config, const PinholeCamera& camera, co
 Explorer::~Explorer() = default;
 
 void Explorer::restore(ExplorerMemory memory) {
+  stages_->ahead.reset();
   stages_->map = std::move(memory.map);
   stages_->surface = std::move(memory.surface);
   stages_->log = std::move(memory.log);
@@ -198,6 +232,7 @@ void Explorer::restore(ExplorerMemory memory) {
 
 void Explorer::pageBy(MapPager* pager) {
   Stages& s = *stages_;
+  s.ahead.reset();
   s.pager = pager;
   s.relocaliser.beforeEachLook([&s](const Pose& T_WC) { s.bringBack(T_WC); });
   s.verifier.beforeEachLook([&s](const Pose& T_WC) { s.bringBack(T_WC); });
@@ -220,6 +255,7 @@ std::optional<VerifiedPlace> Explorer::verifyPlace(const RgbdFrame& frame, const
 }
 
 void Explorer::placeAt(double stamp_s, const Pose& T_WC) {
+  stages_->ahead.reset();
   MotionPredictor::State state;
   state.known = true;
   state.stamp_s = stamp_s;
@@ -237,6 +273,7 @@ const SurfaceVolume& Explorer::surface() const {
   return stages_->surface;
 }
 SurfaceVolume& Explorer::surface() {
+  stages_->ahead.reset();  // it may change
   return stages_->surface;
 }
 const KeyframeSet& Explorer::keyframes() const {
@@ -302,15 +339,18 @@ const FrameLook& Explorer::Stages::lookAtDepth(const RgbdFrame& frame) {
 FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame* next,
                                         const std::optional<Tracking>& believed, FrameReport& report, StageClock& clock,
                                         TasksBeside& beside) {
-  FrameLook* ahead = clock.time("wait for perception", [&] { return looks.takeAhead(frame); });
-  FrameLook& look = ahead != nullptr ? *ahead : looks.prepare(frame);
+  FrameLook* look_ahead = clock.time("wait for perception", [&] { return looks.takeAhead(frame); });
+  FrameLook& look = look_ahead != nullptr ? *look_ahead : looks.prepare(frame);
+  if (look_ahead == nullptr) ahead.reset();  // of another frame
+  // Who pages brings parts of the surface back to where the map is looked at, too.
+  const bool tracks_ahead = look_ahead != nullptr && !believed && pager == nullptr;
   const auto map_branch = [&] {
     report.tracking = believed ? *believed : track(look.depth, frame.stamp_s, clock);
     if (!believed) relocalise(frame, look.depth, report, clock);
-    report.ior = mapFrame(frame, look.depth, report.tracking, clock, beside);
+    report.ior = mapFrame(frame, look.depth, report.tracking, tracks_ahead ? next : nullptr, clock, beside);
     if (report.relocalised) motion.rest();  // the jump was no motion
   };
-  if (ahead != nullptr) {
+  if (look_ahead != nullptr) {
     if (next != nullptr) looks.beginAhead(*next);
     map_branch();
   } else {

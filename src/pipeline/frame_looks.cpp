@@ -45,11 +45,20 @@ void FrameLooks::perceive(const RgbdFrame& frame, FrameLook& look) {
 
 void FrameLooks::beginAhead(const RgbdFrame& next) {
   ahead_ = next;
+  depth_ahead_.emplace();
   task_.run([this] {
-    FrameLook& look = looks_[1 - current_];
-    prepareDepth(ahead_, look);
-    perceive(ahead_, look);
+    prepareDepthAhead();
+    perceive(ahead_, looks_[1 - current_]);
   });
+}
+
+void FrameLooks::prepareDepthAhead() {
+  std::call_once(*depth_ahead_, [this] { prepareDepth(ahead_, looks_[1 - current_]); });
+}
+
+const FrameLook& FrameLooks::depthAhead() {
+  prepareDepthAhead();
+  return looks_[1 - current_];
 }
 
 }  // namespace saccade

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include <tbb/task_group.h>
@@ -46,9 +48,12 @@ class FrameLooks {
   /// Begins the look at the frame that comes next, whose images must not change until it is taken. Neither prepare()
   /// nor perceive() may run until then.
   void beginAhead(const RgbdFrame& next);
+  /// The look ahead, with its depth maps at least: the rest may be in work. Only between beginAhead() and takeAhead().
+  [[nodiscard]] const FrameLook& depthAhead();
 
  private:
   void prepareDepth(const RgbdFrame& frame, FrameLook& look);
+  void prepareDepthAhead();
 
   PinholeCamera camera_;
   DepthPreparation preparation_;
@@ -56,7 +61,8 @@ class FrameLooks {
   ProposalConfig proposal_;
   FrameLook looks_[2];
   int current_ = 0;
-  RgbdFrame ahead_;  // shares its images; without any: nothing is ahead
+  RgbdFrame ahead_;                            // shares its images; without any: nothing is ahead
+  std::optional<std::once_flag> depth_ahead_;  // who needs the depth maps ahead first makes them
   tbb::task_group task_;
 };
 

@@ -20,6 +20,9 @@ class StageClock {
     return std::forward<Work>(work)();
   }
 
+  /// Adds stages that ran elsewhere.
+  void add(const std::vector<StageTime>& stages) { stages_.insert(stages_.end(), stages.begin(), stages.end()); }
+
   [[nodiscard]] const std::vector<StageTime>& stages() const { return stages_; }
   /// Milliseconds since the clock was made.
   [[nodiscard]] double total_ms() const { return milliseconds(Clock::now() - start_); }

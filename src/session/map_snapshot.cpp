@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "saccade/map/map_tiles.hpp"
 #include "session/map_blobs.hpp"
@@ -40,7 +41,7 @@ MapChanges MapChanges::noneIn(Explorer& explorer) {
     changes.tiles_.push_back({tileKey(tile.root), appendTile(tile.node, bytes)});
   }
   std::sort(changes.tiles_.begin(), changes.tiles_.end());
-  changes.surface_changes_ = explorer.surface().changes();
+  changes.surface_changes_ = std::as_const(explorer).surface().changes();
   changes.ticks_ = explorer.attendLog().tickCount();
   return changes;
 }
@@ -92,7 +93,7 @@ void MapChanges::take(Explorer& explorer, MapSnapshot& snapshot, const SessionPa
     if (find(old.key) == nullptr) snapshot.removed_tiles_.push_back(old.key);
   }
 
-  const SurfaceVolume& surface = explorer.surface();
+  const SurfaceVolume& surface = std::as_const(explorer).surface();
   for (std::size_t i = 0; i < surface.bricks().size(); ++i) {
     if (surface.lastChange(i) <= surface_changes_) continue;
     const SurfaceBrick& brick = surface.brick(i);
