@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <iostream>
+#include <span>
 #include <string>
 #include <utility>
 #include <valgrind/callgrind.h>
@@ -17,6 +18,7 @@
 #include "saccade/discovery/ranker.hpp"
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/surface_volume.hpp"
+#include "saccade/rendering/back_project.hpp"
 #include "saccade/rendering/renderer.hpp"
 #include "saccade/sources/frame_source.hpp"
 #include "saccade/tracking/tracker.hpp"
@@ -93,6 +95,10 @@ void countMapping(const RgbdFrame& frame, const DepthMaps& depth) {
   count("integrate_map", [&] { (void)map.integrate(depth, frame.color, T_WC); });
   Renderer renderer;
   count("ior_view", [&] { (void)renderer.renderIor(map.view(), depth.camera, T_WC); });
+  const cv::Mat1b everything(depth.depth_m.size(), 255);
+  const std::vector<LeafKey> keys =
+      backProject(std::span(&everything, 1), renderer.renderIor(map.view(), depth.camera, T_WC));
+  count("attend", [&] { (void)map.attend(keys); });
 }
 
 }  // namespace
