@@ -19,16 +19,24 @@ struct Corners {
   alignas(32) std::int32_t copies[kLanes];  // 0: no surface runs through the brick around the point
 };
 
+/// Copies `lines` lines of samples in y and the first samples of the next brick in x.
+std::int16_t* copyLines(const SurfaceBrick* const* brick, int z, int lines, std::int16_t* to) {
+  const std::int16_t* from = brick[0]->distance.data() + z * kSide * kSide;
+  const std::int16_t* next = brick[1]->distance.data() + z * kSide * kSide;
+  for (int y = 0; y < lines; ++y, from += kSide, next += kSide, to += kEdge) {
+    std::memcpy(to, from, kSide * sizeof *to);
+    to[kSide] = *next;
+  }
+  return to;
+}
+
 /// Copies the samples of a brick and the first ones of its upper neighbours to `to`.
 void copyBrick(const SurfaceGrid& grid, std::int32_t slot, std::int16_t* to) {
   const SurfaceBrick* const* brick = grid.bricks + slot;
   for (int z = 0; z <= kSide; ++z) {
-    for (int y = 0; y <= kSide; ++y, to += kEdge) {
-      const SurfaceBrick* const* at = brick + (y == kSide ? grid.row : 0) + (z == kSide ? grid.slice : 0);
-      const auto line = static_cast<std::size_t>((y % kSide + z % kSide * kSide) * kSide);
-      std::copy_n(&at[0]->distance[line], kSide, to);
-      to[kSide] = at[1]->distance[line];
-    }
+    const SurfaceBrick* const* at = z == kSide ? brick + grid.slice : brick;
+    to = copyLines(at, z % kSide, kSide, to);
+    to = copyLines(at + grid.row, z % kSide, 1, to);
   }
 }
 

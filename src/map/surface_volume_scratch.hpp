@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "map/depth_windows.hpp"
+#include "map/brick_fusion.hpp"
 #include "map/ray_bounds.hpp"
 #include "map/ray_march.hpp"
 #include "saccade/map/surface_volume.hpp"
@@ -26,9 +26,8 @@ struct SurfaceVolume::Scratch {
   /// allocateBand(): bricks met by the rays of one row, and those that were found last.
   std::vector<BrickPosition> met, known;
 
-  /// integrate(): camera-frame offsets of a brick's samples from its first one, and which of `visible` are not hidden.
-  std::array<std::array<float, SurfaceBrick::kSamples>, 3> offsets;
-  DepthWindows windows;
+  /// integrate(): which of `visible` are not hidden.
+  BrickFusion fusion;
   std::vector<std::int32_t> reached;
 
   /// rayCast(): bricks of the visible box as a dense array with a margin of one brick, `unknown` where there is none,
