@@ -8,6 +8,7 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 build=${SACCADE_BUILD_DIR:-$root/build-bench}
 json=${1:-bench.json}
 [ $# -gt 0 ] && shift
+"$root/apps/install-packages.sh" $(grep -v '^#' "$root/apps/packages.txt") libbenchmark-dev libpcl-dev
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSACCADE_BUILD_BENCHMARKS=ON >&2
 cmake --build "$build" --target saccade_bench >&2
 commit=$(git -C "$root" rev-parse --short HEAD 2> /dev/null || echo "not named")
