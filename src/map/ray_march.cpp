@@ -176,7 +176,7 @@ void RayQueue::begin(const SurfaceGrid& grid, const RayFan& fan, float far, cons
 SACCADE_MULTIVERSION
 void RayQueue::step(SurfaceGrid& grid, const RayFan& fan, const Rays& rays, std::size_t count) {
   constexpr float kClose_samples = 3.5F, kBeyond_samples = 0.5F, kShortfall = 0.8F;
-  constexpr float kConverged_samples = 0.25F;
+  constexpr float kConverged_samples = 0.1F;
   constexpr float kBlind_samples = 2.5F;  // on unknown ground: shorter than the known band before a surface
   const float per_slice = 1.0F / fan.slice_m;
   const IntLanes lane = {0, 1, 2, 3, 4, 5, 6, 7}, no = {};
