@@ -53,6 +53,7 @@ void FrameLooks::beginAhead(const RgbdFrame& next) {
 }
 
 void FrameLooks::prepareDepthAhead() {
+  // Preparing starts no tasks: a thread that waited for some could run one that asks for these same maps.
   std::call_once(*depth_ahead_, [this] { prepareDepth(ahead_, looks_[1 - current_]); });
 }
 

@@ -19,7 +19,7 @@ struct RankingConfig {
   double duplicate_iou = 0.9;
   bool suppress = true;
   double suppress_from = 0.3;
-  double suppress_power = 0.5;
+  double suppress_power = 0.25;
   double cover_power = 1.0;
   FeatureConfig features;
 
