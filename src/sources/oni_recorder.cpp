@@ -118,12 +118,15 @@ class OniRecorder final : public RecordingWriter {
     using namespace std::chrono_literals;
     constexpr auto kStep = 2ms, kPatience = 15000ms;
     std::string mark = fmt::format("saccade-recorded-{:08}", ++marks_);
-    if (streams_.device.invoke(virtual_camera::kMarkCommand, mark.data(), static_cast<int>(mark.size())) !=
-        openni::STATUS_OK) {
-      throw IoError(file_.partialPath(), "a recording that can be marked", openNi2Error());
-    }
+    openni::Status marked = openni::STATUS_OUT_OF_FLOW;  // until the recorder's thread has begun
     std::uintmax_t last_size = 0;
     for (auto waited = 0ms; waited < kPatience; waited += kStep) {
+      if (marked == openni::STATUS_OUT_OF_FLOW) {
+        marked = streams_.device.invoke(virtual_camera::kMarkCommand, mark.data(), static_cast<int>(mark.size()));
+      }
+      if (marked != openni::STATUS_OK && marked != openni::STATUS_OUT_OF_FLOW) {
+        throw IoError(file_.partialPath(), "a recording that can be marked", openNi2Error());
+      }
       std::error_code unknown;
       const std::uintmax_t size = std::filesystem::file_size(file_.partialPath(), unknown);
       if (!unknown && size != last_size) waited = 0ms;

@@ -112,7 +112,10 @@ OniBool VirtualCamera::isCommandSupported(int command) {
 OniStatus VirtualCamera::invoke(int command, void* data, int size) {
   if (!isCommandSupported(command)) return ONI_STATUS_NOT_SUPPORTED;
   if (command == kMarkCommand) {
-    if (streams_[kColor]) streams_[kColor]->mark(data, size);
+    const bool noted =
+        std::all_of(streams_.begin(), streams_.end(), [](const auto& stream) { return stream && stream->isNoted(); });
+    if (!noted) return ONI_STATUS_OUT_OF_FLOW;
+    streams_[kColor]->mark(data, size);
     return ONI_STATUS_OK;
   }
   if (size != sizeof(PushedFrame)) return ONI_STATUS_BAD_PARAMETER;

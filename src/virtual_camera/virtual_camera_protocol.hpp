@@ -15,6 +15,7 @@ inline constexpr int kMostCalibrationBytes = 4096;
 /// Device command of a camera that is fed: hands a PushedFrame over, which is copied before the command returns.
 inline constexpr int kPushCommand = 0x5acc0002;
 /// Device command of a camera that is fed: takes some bytes that end up in a recording behind all that was sent before.
+/// ONI_STATUS_OUT_OF_FLOW until the recorder has taken note of both streams.
 inline constexpr int kMarkCommand = 0x5acc0003;
 
 struct PushedFrame {

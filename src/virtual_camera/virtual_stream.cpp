@@ -101,6 +101,7 @@ void VirtualStream::notifyAllProperties() {
   raisePropertyChanged(ONI_STREAM_PROPERTY_VIDEO_MODE, &format_.mode, sizeof format_.mode);
   raisePropertyChanged(ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &format_.horizontal_fov_rad, sizeof(float));
   raisePropertyChanged(ONI_STREAM_PROPERTY_VERTICAL_FOV, &format_.vertical_fov_rad, sizeof(float));
+  is_noted_ = true;
 }
 
 }  // namespace saccade::virtual_camera

@@ -2,6 +2,7 @@
 
 #include <Driver/OniDriverAPI.h>
 #include <OniPlatform.h>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -27,7 +28,10 @@ class VirtualStream final : public oni::driver::StreamBase {
   /// Copies pixels without gaps between rows into a frame and hands it to OpenNI2.
   void send(const void* pixels, std::size_t bytes, std::uint64_t stamp_us, int frame_index);
 
-  /// Hands a recorder some bytes, as the value of a property that nothing else uses.
+  /// Whether a recorder's thread has taken note of the stream's properties. Until it has, it holds a lock of its own
+  /// and waits for one of the stream's; a property that is raised meanwhile takes them the other way round, for good.
+  [[nodiscard]] bool isNoted() const { return is_noted_; }
+  /// Hands a recorder some bytes, as the value of a property that nothing else uses. Not before isNoted().
   void mark(const void* bytes, int size);
 
   OniStatus start() override;
@@ -43,6 +47,7 @@ class VirtualStream final : public oni::driver::StreamBase {
   StreamFormat format_;
   std::function<void()> started_, stopped_;
   bool is_started_ = false;
+  std::atomic<bool> is_noted_ = false;
 };
 
 /// Puts a value where OpenNI2 asks for a property.

@@ -6,6 +6,10 @@
 #include "saccade/core/errors.hpp"
 #include "saccade/sources/recording.hpp"
 #include "support/tiny_folders.hpp"
+#if SACCADE_WITH_OPENNI2
+#include "sources/openni2_library.hpp"
+#include "virtual_camera/virtual_camera_protocol.hpp"
+#endif
 
 namespace saccade {
 namespace {
@@ -117,6 +121,18 @@ TEST_F(OpenNi2Camera, SlowEndsWithAReasonWhenTheCameraStaysAway) {
   while (status != ReadStatus::kEnd) status = camera->read(frame);
   EXPECT_NE(camera->progress().end_reason.find("did not come back"), std::string::npos);
 }
+
+#if SACCADE_WITH_OPENNI2
+// A mark while the recorder's thread takes note of the streams would lock both up for good.
+TEST_F(OpenNi2Camera, RefusesAMarkUntilARecorderHasTakenNoteOfItsStreams) {
+  const OpenNi2Library library("the test");
+  OpenNi2Streams streams;
+  streams.open("saccade:push#color=64x48&depth=64x48&color_focal=80x80&depth_focal=80x80&unit=mm", "the test");
+  std::string mark = "some bytes";
+  EXPECT_EQ(streams.device.invoke(virtual_camera::kMarkCommand, mark.data(), static_cast<int>(mark.size())),
+            openni::STATUS_OUT_OF_FLOW);
+}
+#endif
 
 TEST_F(OpenNi2Camera, RecordingsWorkWithoutTheSideFileToo) {
   const TinyFolder folder, place;
