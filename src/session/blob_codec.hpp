@@ -14,8 +14,10 @@ struct PackedBlob {
   std::uint64_t unpacked_size = 0;
 };
 
-/// CRC32C (Castagnoli) of `bytes`.
+/// CRC32C (Castagnoli) of `bytes`, by the processor's own instruction where it has one.
 [[nodiscard]] std::uint32_t crc32c(std::string_view bytes);
+/// The same on any processor.
+[[nodiscard]] std::uint32_t crc32cByTable(std::string_view bytes);
 
 [[nodiscard]] PackedBlob packBlob(std::string_view bytes);
 

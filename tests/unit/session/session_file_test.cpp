@@ -385,9 +385,19 @@ TEST(SessionFile, RandomDamageNeverDoesWorseThanAnError) {
   EXPECT_GT(refused, 50);  // twenty bytes rarely all fall into unused pages
 }
 
+// RFC 3720, B.4, and every length and alignment around the words that the processor takes at once.
 TEST(BlobCodec, ChecksumIsTheCastagnoliCrc) {
   EXPECT_EQ(crc32c("123456789"), 0xE3069283U);
-}  // RFC 3720, B.4
+  EXPECT_EQ(crc32cByTable("123456789"), 0xE3069283U);
+  std::string bytes;
+  for (int i = 0; i < 64; ++i) bytes += static_cast<char>(i * 89 + 7);
+  for (std::size_t first = 0; first < 9; ++first) {
+    for (std::size_t size = 0; size + first <= bytes.size(); ++size) {
+      const std::string_view part = std::string_view(bytes).substr(first, size);
+      ASSERT_EQ(crc32c(part), crc32cByTable(part)) << first << " " << size;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace saccade
