@@ -173,17 +173,26 @@ void forEachPart(std::span<Candidate> candidates, std::vector<CandidateMeasurer>
   });
 }
 
+/// The model's probabilities; what depth does not show at all gives way to what can be remembered in the map.
+void Ranker::score(Candidates& open, const Perception& seen) const {
+  model_.score(open);
+  if (config_.paper || !seen.has_depth) return;
+  for (Candidate& candidate : open) {
+    if (!candidate.has_depth) candidate.score *= config_.unmeasured_weight;
+  }
+}
+
 /// Of all candidates that the built-in ranker was trained on.
 constexpr float kMeanConvexity_m = 0.022F;
 
 /// Leaves the candidates, measured but for their convexity, that score best with a mean one.
-void Ranker::keepPromising(Candidates& open) const {
+void Ranker::keepPromising(Candidates& open, const Perception& seen) const {
   const auto most = static_cast<std::size_t>(config_.max_convexities);
   if (config_.paper || most == 0 || open.size() <= most) return;
   for (Candidate& candidate : open) {
     if (candidate.has_depth) candidate.features[kFeatureConvexity] = kMeanConvexity_m;
   }
-  model_.score(open);
+  score(open, seen);
   std::vector<std::size_t> best(open.size());
   std::iota(best.begin(), best.end(), std::size_t{0});
   const auto cut = best.begin() + static_cast<std::ptrdiff_t>(most);
@@ -201,13 +210,13 @@ Candidates Ranker::rank(Candidates open, const Perception& seen) {
   forEachPart(open, measurers_, [&](CandidateMeasurer& measurer, std::span<Candidate> part) {
     measurer.measureAllButConvexity(part, seen);
   });
-  keepPromising(open);
+  keepPromising(open, seen);
   forEachPart(open, measurers_, [&](CandidateMeasurer& measurer, std::span<Candidate> part) {
     for (Candidate& candidate : part) {
       if (candidate.has_depth) measurer.measureConvexity(candidate, seen);
     }
   });
-  model_.score(open);
+  score(open, seen);
   std::vector<std::size_t> order(open.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&open](std::size_t i, std::size_t j) {

@@ -21,6 +21,7 @@ struct RankingConfig {
   double suppress_from = 0.3;
   double suppress_power = 0.25;
   double cover_power = 1.0;
+  double unmeasured_weight = 0.5;
   FeatureConfig features;
 
   void describe(ConfigVisitor& v) {
@@ -37,11 +38,14 @@ struct RankingConfig {
     v.number("suppress_power", suppress_power, {0.0, 100.0}, "", "how steeply the score falls to 0 at full overlap");
     v.number("cover_power", cover_power, {0.0, 100.0}, "",
              "the same (if steeper) for candidates after the first top_k");
+    v.number(
+        "unmeasured_weight", unmeasured_weight, {0.0, 1.0}, "",
+        "factor on the score of candidates without depth in frames with depth: no leaf can remember a look at them");
     v.section("features", features, "measuring candidates");
   }
 };
 
-/// Ranks candidates by the SVM's probability that they are objects (paper, "Ranking of the candidates").
+/// Ranks candidates by the model's probability that they are objects (paper, "Ranking of the candidates").
 ///
 /// Owns the model and scratch memory; what is attended is the caller's. Not thread-safe; one per thread. Candidates are
 /// measured by as many threads as are idle.
@@ -54,8 +58,9 @@ class Ranker {
   /// Returns the best `max_open` of `open`, measured, scored and sorted by falling score; ties go by source, then by
   /// the pool's order. Candidates that score low with a mean convexity are left out before theirs is measured, unless
   /// `config.paper`. Duplicates (masks alike) keep the better score only. With suppression the score of a candidate
-  /// is the SVM's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017): gently among
-  /// the first `top_k`, which are attended, steeply after them, where a list is read to miss nothing.
+  /// is the model's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017): gently
+  /// among the first `top_k`, which are attended, steeply after them, where a list is read to miss nothing. In frames
+  /// with depth, candidates that it does not show (`has_depth`) weigh `unmeasured_weight`, unless `config.paper`.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
 
   /// rank(), cut to `k`.
@@ -65,7 +70,8 @@ class Ranker {
   [[nodiscard]] const RankerModel& model() const { return model_; }
 
  private:
-  void keepPromising(Candidates& open) const;
+  void score(Candidates& open, const Perception& seen) const;
+  void keepPromising(Candidates& open, const Perception& seen) const;
 
   RankingConfig config_;
   RankerModel model_;

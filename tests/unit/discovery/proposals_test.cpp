@@ -111,6 +111,34 @@ TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersA
   for (std::size_t i = 0; i < all.size() / 10; ++i) EXPECT_EQ(promising[i].segments, all[i].segments) << i;
 }
 
+TEST(Ranking, LowersTheScoreOfWhatDepthDoesNotShowAndOfNothingElse) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  const Candidates pool = proposeCandidates(scene.seen, anyArea());
+  RankingConfig config;
+  config.suppress = false;
+  config.duplicate_iou = 1.0;
+  config.max_convexities = 0;
+  config.max_open = static_cast<int>(pool.size());
+  config.features.min_depth_share = 0.875;  // so that some have depth here and some have none
+  const auto rank = [&](double weight) {
+    config.unmeasured_weight = weight;
+    return Ranker(config).rank(pool, scene.seen);
+  };
+  const Candidates as_judged = rank(1.0), lowered = rank(0.25);
+  ASSERT_EQ(lowered.size(), as_judged.size());
+  std::size_t measured = 0;
+  for (const Candidate& candidate : lowered) {
+    const auto same = std::find_if(as_judged.begin(), as_judged.end(), [&](const Candidate& other) {
+      return other.source == candidate.source && other.segments == candidate.segments;
+    });
+    ASSERT_NE(same, as_judged.end());
+    EXPECT_EQ(candidate.score, candidate.has_depth ? same->score : 0.25 * same->score);
+    measured += candidate.has_depth ? 1 : 0;
+  }
+  EXPECT_GT(measured, 0U);
+  EXPECT_LT(measured, lowered.size());
+}
+
 TEST(Suppression, LetsADistantThingPassASecondViewOfTheBest) {
   Candidates sorted(3);
   sorted[0].box = {0, 0, 40, 40};
