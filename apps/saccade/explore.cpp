@@ -162,12 +162,6 @@ std::vector<std::unique_ptr<FrameSink>> makeSinks(const Options& options, Explor
   return sinks;
 }
 
-void sayPaging(const PagingReport& paging) {
-  std::cerr << fmt::format("map paging: at most {:.0f} MiB in memory, {} parts dropped, {} brought back\n",
-                           static_cast<double>(paging.most_bytes) / kMiB, grouped(paging.dropped),
-                           grouped(paging.returned));
-}
-
 void printFiles(const Options& options) {
   std::vector<std::vector<std::string>> rows;
   const auto add = [&](const char* what, const std::string& path) {
@@ -255,7 +249,7 @@ void run(Options options) {
   continued.reset();  // a reader that stays would keep the session in two files
   if (options.map_memory_MiB > 0.0) {
     if (session == nullptr) throw std::invalid_argument("--map-memory needs a session to page to: give -o S");
-    session->limitMemory(static_cast<std::size_t>(options.map_memory_MiB * kMiB));
+    limitMapMemory(*session, options.map_memory_MiB);
   }
 
   if (options.max_session_MiB > 0.0) {
@@ -337,12 +331,7 @@ void addExplore(CLI::App& program) {
                    "seconds between two checkpoints of the session: what a crash can cost at most")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  command
-      ->add_option("--map-memory", options->map_memory_MiB,
-                   "MiB that map and surface volume may take: parts far from the camera wait in the session meanwhile "
-                   "(0: no limit)")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
+  addMapMemory(*command, options->map_memory_MiB);
   command
       ->add_option("--max-session-size", options->max_session_MiB,
                    "MiB that the session may take: images of keyframes are thinned first, then exploration ends "

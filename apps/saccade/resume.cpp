@@ -35,6 +35,7 @@ struct Options {
   std::vector<double> pose;
   int limit = 300;
   int threads = 0;
+  double map_memory_MiB = 0.0;
 };
 
 /// Frames seen before a place is known, the last ones; the oldest give way.
@@ -114,6 +115,7 @@ void explore(const Options& options, Explorer& explorer, std::unique_ptr<Session
   for (const auto& each : sinks) each->finish();
   std::cerr << fmt::format("{} frames: {} tracked, {} weak, {} lost, {} skipped, {} times found again\n", counts.frames,
                            counts.tracked, counts.weak, counts.lost, counts.skipped, counts.relocalised);
+  if (options.map_memory_MiB > 0.0) sayPaging(session->paging());
 }
 
 std::unique_ptr<SessionSink> makeSink(const Options& options, std::unique_ptr<SessionWriter> writer, Explorer& explorer,
@@ -123,6 +125,7 @@ std::unique_ptr<SessionSink> makeSink(const Options& options, std::unique_ptr<Se
   const CandidateOutliner outliner(DistortedPixels(description.camera, description.color_camera));
   auto sink = std::make_unique<SessionSink>(std::move(writer), explorer, outliner, run, before);
   sink->noteRangeStep(range_step);
+  limitMapMemory(*sink, options.map_memory_MiB);
   return sink;
 }
 
@@ -241,6 +244,7 @@ void addResume(CLI::App& program) {
       ->capture_default_str();
   command->add_option("--apart", options->apart,
                       "the session that keeps the new part if it finds no place (SESSION-apart.saccade if not given)");
+  addMapMemory(*command, options->map_memory_MiB, " once the place is verified; looking for it takes the whole map");
   command->add_option("--trajectory", options->trajectory, "write this run's poses in the session's W, TUM format");
   command->add_option("--candidates", options->candidates, "write the candidates, one JSON line a frame");
   command->add_option("--range", options->range, "frames A:B:STEP of the input, B excluded");

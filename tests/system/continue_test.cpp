@@ -128,6 +128,28 @@ TEST(MapMemory, AnExplorationThatPagesItsMapIsTheSameAsOneThatKeepsIt) {
   }
 }
 
+TEST(MapMemory, AResumedExplorationThatPagesItsMapIsTheSameAsOneThatKeepsIt) {
+  const TemporaryFolder folder;
+  const auto succeed = [](const std::vector<std::string>& arguments) {
+    const ProgramRun run = runSaccade(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.talk;
+    return run.talk;
+  };
+  // Rooms of the flat, of which the camera is in one when it comes back.
+  succeed({"explore", "sim:flat", "--poses", "dataset", "--set", "map.leaf_size_m=0.03", "--set", "surface.cell_m=0.03",
+           "--range", ":3300:400", "-o", folder / "whole.saccade"});
+  std::filesystem::copy_file(folder / "whole.saccade", folder / "paged.saccade");
+  succeed({"resume", folder / "whole.saccade", "sim:flat", "--range", "3202:3208"});
+  const std::string talk =
+      succeed({"resume", folder / "paged.saccade", "sim:flat", "--range", "3202:3208", "--map-memory", "4"});
+  expectSameExploration(folder / "whole.saccade", folder / "paged.saccade");
+  const SessionFindings findings = verifySession(folder / "paged.saccade");
+  EXPECT_TRUE(findings.complaints.empty()) << findings.complaints.front();
+  const std::size_t at = talk.find("map paging:");
+  ASSERT_NE(at, std::string::npos) << talk;
+  EXPECT_EQ(talk.find(" 0 parts dropped", at), std::string::npos) << talk;
+}
+
 TEST(MaxSessionSize, ThinsKeyframeImagesThenEndsWithAllThatWasExplored) {
   const TemporaryFolder folder;
   constexpr double kLimit_MiB = 6.0;
