@@ -173,7 +173,7 @@ void forEachPart(std::span<Candidate> candidates, std::vector<CandidateMeasurer>
   });
 }
 
-/// The model's probabilities; what depth does not show at all gives way to what can be remembered in the map.
+/// The model's probabilities; what depth hardly shows gives way to what can be remembered in the map.
 void Ranker::score(Candidates& open, const Perception& seen) const {
   model_.score(open);
   if (config_.paper || !seen.has_depth) return;

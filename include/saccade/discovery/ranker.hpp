@@ -38,9 +38,9 @@ struct RankingConfig {
     v.number("suppress_power", suppress_power, {0.0, 100.0}, "", "how steeply the score falls to 0 at full overlap");
     v.number("cover_power", cover_power, {0.0, 100.0}, "",
              "the same (if steeper) for candidates after the first top_k");
-    v.number(
-        "unmeasured_weight", unmeasured_weight, {0.0, 1.0}, "",
-        "factor on the score of candidates without depth in frames with depth: no leaf can remember a look at them");
+    v.number("unmeasured_weight", unmeasured_weight, {0.0, 1.0}, "",
+             "factor on the score of candidates that depth hardly shows (features.min_depth_share): few leaves can "
+             "remember them");
     v.section("features", features, "measuring candidates");
   }
 };

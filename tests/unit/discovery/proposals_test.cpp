@@ -87,14 +87,20 @@ TEST(Proposals, OfThePaperComeFromBlobsAlone) {
   EXPECT_TRUE(proposeCandidates(scene.seen, config).empty());
 }
 
-TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersAsEver) {
-  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
-  const Candidates pool = proposeCandidates(scene.seen, anyArea());
+/// Ranks without leaving anything out.
+RankingConfig keepingAll(const Candidates& pool) {
   RankingConfig config;
   config.suppress = false;
   config.duplicate_iou = 1.0;
   config.max_convexities = 0;
   config.max_open = static_cast<int>(pool.size());
+  return config;
+}
+
+TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersAsEver) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  const Candidates pool = proposeCandidates(scene.seen, anyArea());
+  RankingConfig config = keepingAll(pool);
   const Candidates all = Ranker(config).rank(pool, scene.seen);
   config.max_convexities = static_cast<int>(pool.size() / 2);
   const Candidates promising = Ranker(config).rank(pool, scene.seen);
@@ -114,11 +120,7 @@ TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersA
 TEST(Ranking, LowersTheScoreOfWhatDepthDoesNotShowAndOfNothingElse) {
   const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
   const Candidates pool = proposeCandidates(scene.seen, anyArea());
-  RankingConfig config;
-  config.suppress = false;
-  config.duplicate_iou = 1.0;
-  config.max_convexities = 0;
-  config.max_open = static_cast<int>(pool.size());
+  RankingConfig config = keepingAll(pool);
   config.features.min_depth_share = 0.875;  // so that some have depth here and some have none
   const auto rank = [&](double weight) {
     config.unmeasured_weight = weight;
