@@ -5,19 +5,32 @@
 
 namespace saccade {
 
-void CandidateOutliner::begin(const FrameSegments& seen) {
-  take(seen.color, color_);
-  if (seen.surface.count > 0) take(seen.surface, surface_);
+void CandidateOutliner::begin(const FrameSegments& seen, std::span<const Candidate> open,
+                              std::span<const Candidate> inhibited) {
+  wanted_color_.assign(static_cast<std::size_t>(seen.color.count), 0);
+  wanted_surface_.assign(static_cast<std::size_t>(seen.surface.count), 0);
+  want(open);
+  want(inhibited);
+  take(seen.color, wanted_color_, color_);
+  if (seen.surface.count > 0) take(seen.surface, wanted_surface_, surface_);
 }
 
-void CandidateOutliner::take(const Segmentation& ideal, SegmentColumns& columns) {
-  if (pixels_.areIdeal()) {
-    columns.build(ideal);
-    return;
+void CandidateOutliner::want(std::span<const Candidate> candidates) {
+  for (const Candidate& candidate : candidates) {
+    std::vector<char>& wanted = candidate.source == CandidateSource::kColor ? wanted_color_ : wanted_surface_;
+    for (const std::int32_t segment : candidate.segments) wanted[static_cast<std::size_t>(segment)] = 1;
   }
-  distorted_.count = ideal.count;
-  pixels_.distort(ideal.labels, distorted_.labels, -1);
-  columns.build(distorted_);
+}
+
+void CandidateOutliner::take(const Segmentation& ideal, std::span<const char> wanted, SegmentColumns& columns) {
+  const cv::Size size = pixels_.size();
+  row_.resize(static_cast<std::size_t>(size.width));
+  columns.begin(size.width, wanted);
+  for (int v = 0; v < size.height; ++v) {
+    pixels_.distortRow(ideal.labels, v, row_.data(), -1);
+    columns.addRow(row_.data());
+  }
+  columns.end();
 }
 
 CandidateOutline CandidateOutliner::outline(const Candidate& candidate) const {

@@ -7,51 +7,77 @@
 namespace saccade {
 namespace {
 
-/// Adds to each column whether its label changes from one row to the next.
-SACCADE_MULTIVERSION void countChanges(const int* above, const int* below, int width, std::int32_t* changes) {
-  for (int u = 0; u < width; ++u) changes[u] += above[u] != below[u] ? 1 : 0;
+/// Pixels that are compared at once: most rows are as those above them.
+constexpr int kGroup = 16;
+
+/// Writes the columns at which two rows differ to `columns` and returns how many there are.
+SACCADE_MULTIVERSION int differingColumns(const std::int32_t* above, const std::int32_t* below, int width,
+                                          std::int32_t* columns) {
+  int count = 0;
+  const auto compare = [&](int begin, int end) {
+    for (int u = begin; u < end; ++u) {
+      if (above[u] != below[u]) columns[count++] = u;
+    }
+  };
+  int u = 0;
+  for (; u + kGroup <= width; u += kGroup) {
+    std::int32_t differs = 0;
+    for (int i = 0; i < kGroup; ++i) differs |= above[u + i] ^ below[u + i];
+    if (differs != 0) compare(u, u + kGroup);
+  }
+  compare(u, width);
+  return count;
 }
 
 }  // namespace
 
-void SegmentColumns::build(const Segmentation& segmentation) {
-  const cv::Mat1i& labels = segmentation.labels;
-  makeRoom(labels);
-  std::fill(top_.begin(), top_.end(), 0);
-  const auto close = [&](int u, std::int32_t label, int end_v) {
-    const auto c = static_cast<std::size_t>(u);
-    if (label >= 0) runs_[ends_[c]++] = {label, top_[c], end_v};
-    top_[c] = end_v;
-  };
-  for (int v = 1; v < labels.rows; ++v) {
-    const int *above = labels[v - 1], *below = labels[v];
-    for (int u = 0; u < labels.cols; ++u) {
-      if (above[u] != below[u]) close(u, above[u], v);
-    }
-  }
-  for (int u = 0; labels.rows > 0 && u < labels.cols; ++u) close(u, labels(labels.rows - 1, u), labels.rows);
-  boundSegments(labels.cols, segmentation.count);
+void SegmentColumns::begin(int width, std::span<const char> wanted) {
+  width_ = width;
+  rows_ = 0;
+  wanted_.assign(wanted.begin(), wanted.end());
+  const auto columns = static_cast<std::size_t>(width);
+  above_.assign(columns, -1);
+  changed_.resize(columns);
+  top_.assign(columns, 0);
+  found_.clear();
 }
 
-/// Gives each column as much room as it has changes of label.
-void SegmentColumns::makeRoom(const cv::Mat1i& labels) {
-  const auto width = static_cast<std::size_t>(labels.cols);
-  changes_.assign(width, 1);
-  for (int v = 1; v < labels.rows; ++v) countChanges(labels[v - 1], labels[v], labels.cols, changes_.data());
-  begins_.resize(width);
-  top_.resize(width);
-  std::size_t total = 0;
-  for (std::size_t u = 0; u < width; ++u) {
-    begins_[u] = total;
-    total += static_cast<std::size_t>(changes_[u]);
+void SegmentColumns::addRow(const std::int32_t* labels) {
+  const int changes = differingColumns(above_.data(), labels, width_, changed_.data());
+  for (int i = 0; i < changes; ++i) {
+    const int u = changed_[static_cast<std::size_t>(i)];
+    close(u);
+    above_[static_cast<std::size_t>(u)] = labels[u];
   }
-  ends_ = begins_;
-  if (runs_.size() < total) runs_.resize(total);
+  ++rows_;
 }
 
-void SegmentColumns::boundSegments(int width, int count) {
-  boxes_.assign(static_cast<std::size_t>(count), cv::Rect());
-  for (int u = 0; u < width; ++u) {
+/// Ends the run that the last row has in column `u`.
+void SegmentColumns::close(int u) {
+  const auto c = static_cast<std::size_t>(u);
+  const std::int32_t label = above_[c];
+  if (label >= 0 && wanted_[static_cast<std::size_t>(label)] != 0) found_.push_back({u, {label, top_[c], rows_}});
+  top_[c] = rows_;
+}
+
+void SegmentColumns::end() {
+  for (int u = 0; u < width_; ++u) close(u);
+  sortByColumn();
+  boundSegments();
+}
+
+void SegmentColumns::sortByColumn() {
+  begins_.assign(static_cast<std::size_t>(width_) + 2, 0);
+  for (const ColumnRun& found : found_) ++begins_[static_cast<std::size_t>(found.u) + 2];
+  for (std::size_t c = 2; c < begins_.size(); ++c) begins_[c] += begins_[c - 1];
+  runs_.resize(found_.size());
+  // Placing them moves the begin of each column, one entry on, to its end: the begin of the next.
+  for (const ColumnRun& found : found_) runs_[begins_[static_cast<std::size_t>(found.u) + 1]++] = found.run;
+}
+
+void SegmentColumns::boundSegments() {
+  boxes_.assign(wanted_.size(), cv::Rect());
+  for (int u = 0; u < width_; ++u) {
     for (const Run& run : column(u)) {
       cv::Rect& box = boxes_[static_cast<std::size_t>(run.segment)];
       if (box.width == 0) box = {u, run.begin_v, 0, run.end_v - run.begin_v};

@@ -78,7 +78,7 @@ void RecordingSink::accept(const RgbdFrame& /*frame*/, const FrameReport& report
                       {},
                       static_cast<int>(report.inhibited.size()),
                       report.total_ms};
-  outliner_.begin(*report.seen);
+  outliner_.begin(*report.seen, report.open);
   for (std::size_t rank = 0; rank < report.open.size(); ++rank) {
     CandidateOutline outline = outliner_.outline(report.open[rank]);
     RecordedCandidate candidate{outline.box, std::move(outline.mask), rank < report.attended, std::nullopt};

@@ -63,7 +63,7 @@ class CandidateSink::Lines {
 
  private:
   void write(const LineParts& parts) {
-    outliner_.begin(parts.segments);
+    outliner_.begin(parts.segments, parts.open, parts.inhibited);
     if (parts.T_WC) {
       boxes_.begin(parts.segments, parts.vertices, *parts.T_WC);
     } else {

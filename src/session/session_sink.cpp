@@ -1,5 +1,6 @@
 #include "saccade/session/session_sink.hpp"
 
+#include <span>
 #include <utility>
 
 #include "saccade/core/config_file.hpp"
@@ -92,7 +93,7 @@ void SessionSink::accept(const RgbdFrame& frame, const FrameReport& report) {
   metrics.ordinal = ordinal;
   for (const StageTime& stage : report.stages) metrics.stages_ms.emplace_back(stage.stage, stage.ms);
   checkpoint_->metrics.push_back(std::move(metrics));
-  outliner_.begin(*report.seen);
+  outliner_.begin(*report.seen, std::span(report.open).first(report.attended));
   for (std::size_t rank = 0; rank < report.attended; ++rank) {
     checkpoint_->candidates.push_back(recordOf(report, ordinal, rank, outliner_));
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -33,12 +35,26 @@ class DistortedPixels {
       return;
     }
     distorted.create(size_);
-    const cv::Mat_<T> gapless = ideal.isContinuous() ? ideal : cv::Mat_<T>(ideal.clone());
-    const T* pixels = gapless[0];
-    const std::int32_t* from = ideal_pixel_.data();
-    for (int v = 0; v < size_.height; ++v) {
-      T* row = distorted[v];
-      for (int u = 0; u < size_.width; ++u, ++from) row[u] = *from < 0 ? outside : pixels[*from];
+    for (int v = 0; v < size_.height; ++v) distortRow(ideal, v, distorted[v], outside);
+  }
+
+  /// Row `v` of the input's view alone: writes its pixels to `row`. Throws as distort() does.
+  template <typename T>
+  void distortRow(const cv::Mat_<T>& ideal, int v, T* row, T outside) const {
+    requireSize(ideal.size());
+    if (areIdeal()) {
+      std::copy_n(ideal[v], size_.width, row);
+      return;
+    }
+    const std::int32_t* from = ideal_pixel_.data() + static_cast<std::ptrdiff_t>(v) * size_.width;
+    const auto stride = static_cast<std::ptrdiff_t>(ideal.step1());
+    const T* pixels = ideal[0];
+    if (stride == size_.width) {
+      for (int u = 0; u < size_.width; ++u) row[u] = from[u] < 0 ? outside : pixels[from[u]];
+    } else {
+      for (int u = 0; u < size_.width; ++u) {
+        row[u] = from[u] < 0 ? outside : pixels[from[u] / size_.width * stride + from[u] % size_.width];
+      }
     }
   }
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -27,19 +30,21 @@ class CandidateOutliner {
  public:
   explicit CandidateOutliner(DistortedPixels pixels) : pixels_(std::move(pixels)) {}
 
-  /// Takes the segments of a frame, about 1 ms, more where there is distortion.
-  void begin(const FrameSegments& seen);
-  /// Outline of a candidate of the frame that was begun: a few microseconds. A candidate that the input's image does
+  /// Takes the segments of a frame that the candidates are made of: about 0.3 ms, more where there is distortion.
+  void begin(const FrameSegments& seen, std::span<const Candidate> open, std::span<const Candidate> inhibited = {});
+  /// Outline of one of the candidates that were begun with: a few microseconds. A candidate that the input's image does
   /// not show (it may end before C's does) has an empty box.
   [[nodiscard]] CandidateOutline outline(const Candidate& candidate) const;
 
   [[nodiscard]] cv::Size imageSize() const { return pixels_.size(); }
 
  private:
-  void take(const Segmentation& ideal, SegmentColumns& columns);
+  void want(std::span<const Candidate> candidates);
+  void take(const Segmentation& ideal, std::span<const char> wanted, SegmentColumns& columns);
 
   DistortedPixels pixels_;
-  Segmentation distorted_;
+  std::vector<char> wanted_color_, wanted_surface_;  // by segment
+  std::vector<std::int32_t> row_;                    // of labels, in the input's pixels
   SegmentColumns color_, surface_;
 };
 

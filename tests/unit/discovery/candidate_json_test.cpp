@@ -32,7 +32,7 @@ struct Scene {
     open[0].score = 1.0 / 3.0;
     open[1].score = 1.0;
     open[0].features = {-1.5F, 2e-9F, 123456.7F};
-    outliner.begin(scene.seen);
+    outliner.begin(scene.seen, open, inhibited);
     boxes.begin(scene.seen, scene.depth.vertices, somewhere());
   }
 

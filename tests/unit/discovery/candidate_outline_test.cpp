@@ -12,10 +12,10 @@ namespace {
 const cv::Size kSize(120, 90);
 const PinholeCamera kCamera{kSize.width, kSize.height, 100.0, 100.0, 59.5, 44.5};
 
-/// Segments and a candidate of the first three of them.
+/// Segments, an open candidate of the first three of them and an inhibited one of others, of the other source.
 struct Scene {
   Perception seen;
-  Candidate candidate;
+  Candidates open, inhibited;
 
   explicit Scene(unsigned seed) {
     std::mt19937 random(seed);
@@ -23,22 +23,34 @@ struct Scene {
     seen.color = test::randomSegmentation(kSize, 40, random);
     seen.surface = test::randomSegmentation(kSize, 20, random);
     seen.has_depth = true;
-    candidate.source = seed % 2 == 0 ? CandidateSource::kColor : CandidateSource::kDepth;
-    candidate.segments = {0, 1, 2};
-    const cv::Mat1i& labels = seen.segmentation(candidate.source).labels;
-    candidate.box = cv::boundingRect((labels >= 0) & (labels <= 2));
+    const bool color_first = seed % 2 == 0;
+    open.push_back(ofSegments({0, 1, 2}, color_first ? CandidateSource::kColor : CandidateSource::kDepth));
+    inhibited.push_back(ofSegments({2, 5}, color_first ? CandidateSource::kDepth : CandidateSource::kColor));
+  }
+
+ private:
+  [[nodiscard]] Candidate ofSegments(const std::vector<std::int32_t>& segments, CandidateSource source) const {
+    Candidate candidate;
+    candidate.source = source;
+    candidate.segments = segments;
+    cv::Mat1b mask(kSize, std::uint8_t{0});
+    for (const std::int32_t segment : segments) mask |= seen.segmentation(source).labels == segment;
+    candidate.box = cv::boundingRect(mask);
+    return candidate;
   }
 };
 
 TEST(CandidateOutline, OfAnIdealInputIsTheCandidatesOwn) {
   const Scene scene(2);
   CandidateOutliner outliner{DistortedPixels(kCamera)};
-  outliner.begin(scene.seen);
-  const CandidateOutline outline = outliner.outline(scene.candidate);
-  cv::Mat1b mask;
-  drawMask(scene.candidate, scene.seen, mask);
-  EXPECT_EQ(outline.box, scene.candidate.box);
-  EXPECT_EQ(outline.mask, encodeCocoRle(mask));
+  outliner.begin(scene.seen, scene.open, scene.inhibited);
+  for (const Candidate& candidate : {scene.open[0], scene.inhibited[0]}) {
+    const CandidateOutline outline = outliner.outline(candidate);
+    cv::Mat1b mask;
+    drawMask(candidate, scene.seen, mask);
+    EXPECT_EQ(outline.box, candidate.box);
+    EXPECT_EQ(outline.mask, encodeCocoRle(mask));
+  }
 }
 
 TEST(CandidateOutline, OfADistortedInputIsTheDistortedMaskAndItsBox) {
@@ -46,14 +58,28 @@ TEST(CandidateOutline, OfADistortedInputIsTheDistortedMaskAndItsBox) {
   CandidateOutliner outliner(pixels);
   for (unsigned seed = 0; seed < 6; ++seed) {
     const Scene scene(seed);
-    outliner.begin(scene.seen);
-    const CandidateOutline outline = outliner.outline(scene.candidate);
+    outliner.begin(scene.seen, scene.open);
+    const CandidateOutline outline = outliner.outline(scene.open[0]);
     cv::Mat1b mask, distorted;
-    drawMask(scene.candidate, scene.seen, mask);
+    drawMask(scene.open[0], scene.seen, mask);
     pixels.distort(mask, distorted, std::uint8_t{0});
     EXPECT_EQ(outline.mask, encodeCocoRle(distorted));
     EXPECT_EQ(outline.box, cv::boundingRect(distorted));
   }
+}
+
+TEST(CandidateOutline, OfImagesThatArePartsOfLargerOnesIsTheSame) {
+  const DistortedPixels pixels(kCamera, {kCamera, LensDistortion{-0.25, 0.06, 0.0, 0.0, 0.0}});
+  Scene scene(3);
+  CandidateOutliner outliner(pixels);
+  outliner.begin(scene.seen, scene.open);
+  const CandidateOutline whole = outliner.outline(scene.open[0]);
+  cv::Mat1i larger(kSize + cv::Size(7, 3), -1);
+  cv::Mat1i part = larger(cv::Rect({4, 2}, kSize));
+  scene.seen.surface.labels.copyTo(part);
+  scene.seen.surface.labels = part;
+  outliner.begin(scene.seen, scene.open);
+  EXPECT_EQ(outliner.outline(scene.open[0]).mask, whole.mask);
 }
 
 }  // namespace
