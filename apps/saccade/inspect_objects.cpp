@@ -77,21 +77,23 @@ void listObjects(const InspectTarget& target, int least_looks) {
   std::vector<std::vector<std::string>> rows = {
       {"object", "seen", "first", "last", "leaves", "inhibited", "best view", "centre in W, size"}};
   for (const AttendedObject& object : objects.all) {
-    const ObjectHistory history = historyOf(object, objects.log, objects.map);
-    const Eigen::AlignedBox3d box = boxOf(leavesOf(object, objects.map), objects.map.config().leaf_size_m);
+    const std::vector<LeafKey> leaves = leavesOf(object, objects.map);
+    const ObjectAttention attention = attentionOf(leaves, objects.map);
+    const Eigen::AlignedBox3d box = boxOf(leaves, objects.map.config().leaf_size_m);
     const ObjectLook& best = object.bestView();
     list.push_back({{"id", object.id.value},
                     {"times_seen", object.looks.size()},
                     {"first_tick", object.looks.front().tick.value},
                     {"last_tick", object.looks.back().tick.value},
-                    {"leaves", history.leaves},
-                    {"attended", history.attended},
-                    {"inhibited", history.inhibited},
+                    {"leaves", attention.leaves},
+                    {"attended", attention.attended},
+                    {"inhibited", attention.inhibited},
                     {"best_view", {{"frame", nameOfFrame(frames, best.tick)}, {"rank", best.rank}}},
                     {"box3d", jsonOf(box)}});
     rows.push_back({std::to_string(object.id.value), grouped(static_cast<std::int64_t>(object.looks.size())),
                     std::to_string(object.looks.front().tick.value), std::to_string(object.looks.back().tick.value),
-                    grouped(history.leaves), grouped(history.inhibited), nameOfFrame(frames, best.tick), textOf(box)});
+                    grouped(attention.leaves), grouped(attention.inhibited), nameOfFrame(frames, best.tick),
+                    textOf(box)});
   }
   if (target.json) {
     std::cout << Json({{"schema", kInspectSchema}, {"tick", objects.map.now().value}, {"objects", list}}).dump(2)

@@ -36,10 +36,10 @@ SACCADE_MULTIVERSION void add(const PixelRow& row, const CommonRun* runs, std::s
       squares += bgr * bgr;
       vertex += __builtin_convertvector(p, FourDoubles);
       normal += __builtin_convertvector(n, FourDoubles);
-      const FourFloats xxxy = __builtin_shuffle(p, FourInts{0, 0, 0, 1});
-      const FourFloats xyzy = __builtin_shuffle(p, FourInts{0, 1, 2, 1});
-      const FourFloats yzzz = __builtin_shuffle(p, FourInts{1, 2, 2, 2});
-      const FourFloats zzzz = __builtin_shuffle(p, FourInts{2, 2, 2, 2});
+      const FourFloats xxxy = __builtin_shufflevector(p, p, 0, 0, 0, 1);
+      const FourFloats xyzy = __builtin_shufflevector(p, p, 0, 1, 2, 1);
+      const FourFloats yzzz = __builtin_shufflevector(p, p, 1, 2, 2, 2);
+      const FourFloats zzzz = __builtin_shufflevector(p, p, 2, 2, 2, 2);
       scatter += __builtin_convertvector(xxxy * xyzy, FourDoubles);
       rest += __builtin_convertvector(yzzz * zzzz, FourDoubles);
       saliency += static_cast<double>(row.saliency[u]);

@@ -131,14 +131,21 @@ std::vector<AttendedObject> findObjects(const SessionReader& session, int least_
   return memory.objects(least_looks);
 }
 
+std::array<LeafKey, 8> leavesOf(LeafBlock block) {
+  const LeafKey half = LeafKey::fromPacked(block.packed);
+  std::array<LeafKey, 8> leaves;
+  for (unsigned i = 0; i < 8; ++i) {
+    leaves[i] = {static_cast<std::uint16_t>(half.x << 1 | (i & 1u)),
+                 static_cast<std::uint16_t>(half.y << 1 | (i >> 1 & 1u)),
+                 static_cast<std::uint16_t>(half.z << 1 | i >> 2)};
+  }
+  return leaves;
+}
+
 std::vector<LeafKey> leavesOf(const AttendedObject& object, const IorMap& map) {
   std::vector<LeafKey> leaves;
   for (const LeafBlock& block : object.blocks) {
-    const LeafKey half = LeafKey::fromPacked(block.packed);
-    for (unsigned i = 0; i < 8; ++i) {
-      const LeafKey key{static_cast<std::uint16_t>(half.x << 1 | (i & 1u)),
-                        static_cast<std::uint16_t>(half.y << 1 | (i >> 1 & 1u)),
-                        static_cast<std::uint16_t>(half.z << 1 | i >> 2)};
+    for (const LeafKey& key : leavesOf(block)) {
       const auto leaf = map.findLeaf(key);
       if (leaf && leaf->occupied) leaves.push_back(key);
     }

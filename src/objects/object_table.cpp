@@ -1,10 +1,14 @@
 #include "saccade/objects/object_table.hpp"
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <vector>
 
+#include "saccade/map/morton_code.hpp"
 #include "saccade/objects/object_memory.hpp"
 #include "saccade/session/session_map.hpp"
 #include "session/row.hpp"
@@ -43,6 +47,44 @@ std::optional<std::int64_t> ordinalAt(const OrdinalByTick& ordinals, Tick tick) 
   return found == ordinals.end() ? std::nullopt : std::optional(found->second);
 }
 
+/// What the map shows of an object now.
+struct Extent {
+  std::size_t leaves = 0;  ///< occupied ones
+  Eigen::AlignedBox3d box_W;
+};
+
+/// The extents of the objects, found tile by tile: an exploration that keeps its map small ends with this, and must not
+/// have the whole map in memory for it.
+std::vector<Extent> extentsOf(const std::vector<AttendedObject>& objects, const SessionReader& session) {
+  struct Part {
+    std::uint64_t code;  // of the block's first leaf
+    std::uint32_t object;
+    bool operator<(const Part& other) const { return code < other.code; }
+  };
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    for (const LeafBlock& block : objects[i].blocks) {
+      parts.push_back({mortonCode(leavesOf(block).front()), static_cast<std::uint32_t>(i)});
+    }
+  }
+  std::sort(parts.begin(), parts.end());
+  std::vector<Extent> extents(objects.size());
+  visitMapTiles(session, [&](const NodeKey& root, const IorMap& tile) {
+    const std::uint64_t first = mortonCode(root.corner), count = std::uint64_t{1} << 3 * (MapTree::kDepth - root.depth);
+    for (auto part = std::lower_bound(parts.begin(), parts.end(), Part{first, 0});
+         part != parts.end() && part->code - first < count; ++part) {
+      Extent& extent = extents[part->object];
+      for (const LeafKey& key : leavesOf(blockOf(keyOfMortonCode(part->code)))) {
+        const auto leaf = tile.findLeaf(key);
+        if (!leaf || !leaf->occupied) continue;
+        ++extent.leaves;
+        extent.box_W.extend(boxOf({&key, 1}, tile.config().leaf_size_m));
+      }
+    }
+  });
+  return extents;
+}
+
 std::array<std::optional<double>, 6> cornersOf(const Eigen::AlignedBox3d& box) {
   if (box.isEmpty()) return {};
   return {box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z()};
@@ -56,19 +98,18 @@ int storeObjects(const std::filesystem::path& path) {
     SQLite::Database& db = database.sqlite();
     SQLite::Transaction transaction(db, SQLite::TransactionBehavior::IMMEDIATE);
     const SessionReader session(path);
-    const IorMap map = loadMap(session);
     const OrdinalByTick ordinals = ordinalsByTick(session);
     const std::vector<AttendedObject> objects = findObjects(session);
+    const std::vector<Extent> extents = extentsOf(objects, session);
     database.requirePart(kObjects);
     db.exec("DELETE FROM objects; DELETE FROM object_looks");
     SQLite::Statement row(db, "INSERT INTO objects VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)");
     SQLite::Statement look_row(db, "INSERT INTO object_looks VALUES (?,?,?,?)");
-    for (const AttendedObject& object : objects) {
-      const std::vector<LeafKey> leaves = leavesOf(object, map);
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const AttendedObject& object = objects[i];
       const ObjectLook& best = object.bestView();
       insert(row, object.id.value, object.looks.size(), object.looks.front().tick.value, object.looks.back().tick.value,
-             ordinalAt(ordinals, best.tick), best.rank, leaves.size(),
-             cornersOf(boxOf(leaves, map.config().leaf_size_m)));
+             ordinalAt(ordinals, best.tick), best.rank, extents[i].leaves, cornersOf(extents[i].box_W));
       for (const ObjectLook& look : object.looks) {
         insert(look_row, object.id.value, look.tick.value, ordinalAt(ordinals, look.tick), look.rank);
       }

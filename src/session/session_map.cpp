@@ -66,6 +66,17 @@ IorMap loadMap(const SessionReader& session, const MapRegion& region) {
   return restoreMap(config.map, tiles, Tick{session.metadata().tick}, session.path());
 }
 
+void visitMapTiles(const SessionReader& session,
+                   const std::function<void(const NodeKey& root, const IorMap& tile)>& visit) {
+  const ExplorerConfig config = loadConfig(session);
+  const Tick now{session.metadata().tick};
+  session.visitBlobs(BlobTable::kTiles, [&](const BlobRecord& blob) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(blob.bytes.data());
+    const MapTile tile{tileRoot(blob.key), {bytes, bytes + blob.bytes.size()}};
+    visit(tile.root, restoreMap(config.map, {&tile, 1}, now, session.path()));
+  });
+}
+
 SurfaceVolume loadSurface(const SessionReader& session, const MapRegion& region) {
   const ExplorerConfig config = loadConfig(session);
   SurfaceVolume surface(config.surface);

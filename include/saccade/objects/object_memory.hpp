@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -37,6 +38,9 @@ struct LeafBlock {
                   static_cast<std::uint16_t>(key.z >> 1)}
               .packed()};
 }
+
+/// The leaves of a block, in Morton order.
+[[nodiscard]] std::array<LeafKey, 8> leavesOf(LeafBlock block);
 
 /// One attention of an object.
 struct ObjectLook {

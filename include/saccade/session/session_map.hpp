@@ -42,6 +42,11 @@ class MapRegion {
 /// The map with its attention memory at the session's tick: the whole tiles that touch `region`.
 [[nodiscard]] IorMap loadMap(const SessionReader& session, const MapRegion& region = MapRegion::everything());
 
+/// Calls `visit` for each tile of the map, in any order, with its root and a map of nothing but this tile: for who asks
+/// leaf by leaf and need not have the whole map in memory.
+void visitMapTiles(const SessionReader& session,
+                   const std::function<void(const NodeKey& root, const IorMap& tile)>& visit);
+
 /// The surface volume: the whole bricks that touch `region`.
 [[nodiscard]] SurfaceVolume loadSurface(const SessionReader& session,
                                         const MapRegion& region = MapRegion::everything());
