@@ -28,9 +28,9 @@ SACCADE_MULTIVERSION void add(const PixelRow& row, const CommonRun* runs, std::s
     for (; u < end; ++u) {
       FourFloats p, n;  // the fourth lanes are the next pixel's, and nothing is made of them
       FourBytes bytes;
-      std::memcpy(&p, row.vertices + u, sizeof p);
-      std::memcpy(&n, row.normals + u, sizeof n);
-      std::memcpy(&bytes, row.color + u, sizeof bytes);
+      std::memcpy(&p, static_cast<const void*>(row.vertices + u), sizeof p);
+      std::memcpy(&n, static_cast<const void*>(row.normals + u), sizeof n);
+      std::memcpy(&bytes, static_cast<const void*>(row.color + u), sizeof bytes);
       const FourInts bgr = __builtin_convertvector(bytes, FourInts);
       color += bgr;
       squares += bgr * bgr;
