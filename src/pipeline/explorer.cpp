@@ -61,6 +61,7 @@ struct Explorer::Stages {
         surface(c.surface),
         motion(c.motion),
         tracker(c.tracking),
+        reference(c.photometric),
         keyframes(c.keyframes),
         extractor(c.features),
         relocaliser(c.relocalisation, c.verification, c.tracking),
@@ -75,6 +76,7 @@ struct Explorer::Stages {
   SurfaceVolume surface;
   MotionPredictor motion;
   Tracker tracker;
+  PhotometricReference reference;  ///< what the colour of the next frame is compared with
   KeyframeSet keyframes;
   FeatureExtractor extractor;
   Relocaliser relocaliser;
@@ -93,12 +95,12 @@ struct Explorer::Stages {
   StageClock surface_clock;  ///< of what is done to the surface volume beside the rest
 
   void bringBack(const Pose& T_WC);
-  Tracking track(const DepthMaps& depth, double stamp_s, StageClock& clock);
-  Tracking follow(const DepthMaps& depth, const Pose& prediction, StageClock& clock);
+  Tracking track(const FrameLook& look, double stamp_s, StageClock& clock);
+  Tracking follow(const FrameLook& look, const Pose& prediction, StageClock& clock);
   void trackAhead(const Pose& prediction);
   void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
   void remember(std::shared_ptr<const Keyframe> keyframe);
-  const IorView* mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking,
+  const IorView* mapFrame(const RgbdFrame& frame, const FrameLook& look, const Tracking& tracking,
                           const RgbdFrame* tracked_next, StageClock& clock, TasksBeside& beside);
   [[nodiscard]] const FrameLook& lookAtDepth(const RgbdFrame& frame);
   FrameLook& lookAndMap(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed,
@@ -119,8 +121,8 @@ void Explorer::Stages::bringBack(const Pose& T_WC) {
   pager->bringBack(ViewRegion(camera, T_WC, farthest_m, margin_m));
 }
 
-Tracking Explorer::Stages::track(const DepthMaps& depth, double stamp_s, StageClock& clock) {
-  if (depth.depth_m.empty()) return {};  // colour alone cannot be tracked: lost
+Tracking Explorer::Stages::track(const FrameLook& look, double stamp_s, StageClock& clock) {
+  if (!look.has_depth) return {};  // colour alone cannot be tracked: lost
   const Pose prediction = motion.predict(stamp_s);
   if (const auto done = std::exchange(ahead, std::nullopt); done && done->prediction.matrix() == prediction.matrix()) {
     clock.add(done->clock.stages());
@@ -134,12 +136,13 @@ Tracking Explorer::Stages::track(const DepthMaps& depth, double stamp_s, StageCl
     first.status = TrackingStatus::kTracked;
     return first;
   }
-  return follow(depth, prediction, clock);
+  return follow(look, prediction, clock);
 }
 
-Tracking Explorer::Stages::follow(const DepthMaps& depth, const Pose& prediction, StageClock& clock) {
+Tracking Explorer::Stages::follow(const FrameLook& look, const Pose& prediction, StageClock& clock) {
   clock.time("model view", [&] { surface.rayCast(camera.reducedBy(kModelReduction), prediction, model); });
-  return clock.time("track", [&] { return tracker.track(depth, model, prediction); });
+  const TrackedColor color{look.intensity, reference};
+  return clock.time("track", [&] { return tracker.track(look.depth, model, prediction, &color); });
 }
 
 /// Tracks the frame that the looks have ahead. That needs the surface volume, which has learnt from the frame before it
@@ -148,7 +151,7 @@ void Explorer::Stages::trackAhead(const Pose& prediction) {
   const FrameLook& look = looks.depthAhead();
   if (!look.has_depth || surface.empty()) return;
   TrackedAhead found{prediction, {}, {}};
-  found.tracking = follow(look.depth, prediction, found.clock);
+  found.tracking = follow(look, prediction, found.clock);
   ahead = found;
 }
 
@@ -170,13 +173,15 @@ void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
 
 /// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost. The
 /// surface volume, which only tracking asks, learns `beside` the map; then `tracked_next`, if any, is tracked there.
-const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const DepthMaps& depth, const Tracking& tracking,
+const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const FrameLook& look, const Tracking& tracking,
                                           const RgbdFrame* tracked_next, StageClock& clock, TasksBeside& beside) {
   surface_clock = StageClock();
   if (tracking.status == TrackingStatus::kLost) return nullptr;
   motion.observe(frame.stamp_s, tracking.T_WC);
   bringBack(tracking.T_WC);
-  if (tracking.status == TrackingStatus::kTracked && !depth.depth_m.empty()) {
+  if (tracking.status == TrackingStatus::kTracked && look.has_depth) {
+    const DepthMaps& depth = look.depth;
+    if (reference.wants(tracking.T_WC)) reference.take(depth, look.intensity, tracking.T_WC);
     const std::optional<Pose> prediction =
         tracked_next != nullptr ? std::optional(motion.predict(tracked_next->stamp_s)) : std::nullopt;
     beside.run([this, &depth, T_WC = tracking.T_WC, prediction] {
@@ -224,6 +229,8 @@ void Explorer::restore(ExplorerMemory memory) {
   stages_->surface = std::move(memory.surface);
   stages_->log = std::move(memory.log);
   stages_->motion.restore(memory.motion);
+  stages_->reference = PhotometricReference(config().photometric);
+  if (memory.reference) stages_->reference.restore(std::move(*memory.reference));
   stages_->keyframes = KeyframeSet(config().keyframes);
   stages_->relocaliser = Relocaliser(config().relocalisation, config().verification, config().tracking);
   for (std::shared_ptr<const Keyframe>& keyframe : memory.keyframes) stages_->remember(std::move(keyframe));
@@ -288,6 +295,9 @@ AttendLog& Explorer::attendLog() {
 const MotionPredictor::State& Explorer::motion() const {
   return stages_->motion.state();
 }
+const PhotometricReference& Explorer::photometricReference() const {
+  return stages_->reference;
+}
 const ExplorerConfig& Explorer::config() const {
   return stages_->config;
 }
@@ -345,9 +355,9 @@ FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame*
   // Who pages brings parts of the surface back to where the map is looked at, too.
   const bool tracks_ahead = look_ahead != nullptr && !believed && pager == nullptr;
   const auto map_branch = [&] {
-    report.tracking = believed ? *believed : track(look.depth, frame.stamp_s, clock);
+    report.tracking = believed ? *believed : track(look, frame.stamp_s, clock);
     if (!believed) relocalise(frame, look.depth, report, clock);
-    report.ior = mapFrame(frame, look.depth, report.tracking, tracks_ahead ? next : nullptr, clock, beside);
+    report.ior = mapFrame(frame, look, report.tracking, tracks_ahead ? next : nullptr, clock, beside);
     if (report.relocalised) motion.rest();  // the jump was no motion
   };
   if (look_ahead != nullptr) {

@@ -27,6 +27,7 @@ void FrameLooks::prepareDepth(const RgbdFrame& frame, FrameLook& look) {
   if (!look.has_depth) return;
   StageClock clock;
   clock.time("prepare depth", [&] { preparation_.prepare(frame.depth_m, camera_, look.depth); });
+  clock.time("grey values", [&] { look.intensity.build(frame.color, camera_); });
   look.times = clock.stages();
 }
 

@@ -13,12 +13,14 @@
 #include "saccade/discovery/proposals.hpp"
 #include "saccade/pipeline/explorer_config.hpp"
 #include "saccade/pipeline/frame_report.hpp"
+#include "saccade/tracking/intensity_pyramid.hpp"
 
 namespace saccade {
 
 /// What is seen of one frame by itself, without pose and map.
 struct FrameLook {
   DepthMaps depth;
+  IntensityPyramid intensity;  ///< where there is depth
   bool has_depth = false;
   Perception seen;
   Candidates pool;  ///< proposed by what was seen
@@ -42,13 +44,15 @@ class FrameLooks {
 
   /// The look at `frame`, whole, if it was begun ahead; else null. The one before it is over.
   FrameLook* takeAhead(const RgbdFrame& frame);
-  /// A look with the frame's depth maps only; perceive() adds the rest. The one before it is over.
+  /// A look with what tracking needs only, depth maps and grey values; perceive() adds the rest. The one before it is
+  /// over.
   FrameLook& prepare(const RgbdFrame& frame);
   void perceive(const RgbdFrame& frame, FrameLook& look);
   /// Begins the look at the frame that comes next, whose images must not change until it is taken. Neither prepare()
   /// nor perceive() may run until then.
   void beginAhead(const RgbdFrame& next);
-  /// The look ahead, with its depth maps at least: the rest may be in work. Only between beginAhead() and takeAhead().
+  /// The look ahead, with what tracking needs at least: the rest may be in work. Only between beginAhead() and
+  /// takeAhead().
   [[nodiscard]] const FrameLook& depthAhead();
 
  private:

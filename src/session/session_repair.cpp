@@ -15,6 +15,7 @@
 #include "session/motion_state.hpp"
 #include "session/part_tables.hpp"
 #include "session/readable_keys.hpp"
+#include "session/reference_state.hpp"
 
 namespace saccade {
 namespace {
@@ -244,6 +245,7 @@ class SessionSurvey {
       for (const std::string& name : session_.stateNames()) {
         const std::optional<std::string> bytes = session_.state(name);
         if (name == kMotionState && bytes) (void)decodeMotion(*bytes, session_.path());
+        if (name == kReferenceState && bytes) (void)decodeReference(*bytes, session_.path());
         if (copy_ != nullptr && bytes) copy_->putState(name, *bytes);
       }
     } catch (const IoError& error) {

@@ -11,6 +11,7 @@
 #include "session/checkpoint.hpp"
 #include "session/map_snapshot.hpp"
 #include "session/motion_state.hpp"
+#include "session/reference_state.hpp"
 #include "session/session_pager.hpp"
 
 namespace saccade {
@@ -147,6 +148,11 @@ PagingReport SessionSink::paging() const {
 void SessionSink::fill() {
   changes_->take(explorer_, checkpoint_->map, pager_.get());
   checkpoint_->state[kMotionState] = encodeMotion(explorer_.motion());
+  const PhotometricReference& reference = explorer_.photometricReference();
+  if (reference.changes() != saved_reference_) {
+    checkpoint_->state[kReferenceState] = encodeReference(reference.state());
+    saved_reference_ = reference.changes();
+  }
   metadata_.tick = explorer_.map().now().value;
   metadata_.leaves = changes_->leaves();
   checkpoint_->metadata = metadata_;
@@ -163,8 +169,13 @@ namespace {
 ExplorerMemory loadMemory(const SessionReader& session, const MapRegion& region) {
   const std::optional<std::string> motion = session.state(kMotionState);
   if (!motion) throw IoError(session.path(), "the state of a tracked exploration to go on with", "none");
-  return {loadMap(session, region), loadSurface(session, region), loadAttendedLeaves(session),
-          decodeMotion(*motion, session.path()), loadKeyframes(session)};
+  const std::optional<std::string> reference = session.state(kReferenceState);
+  return {loadMap(session, region),
+          loadSurface(session, region),
+          loadAttendedLeaves(session),
+          decodeMotion(*motion, session.path()),
+          reference ? std::optional(decodeReference(*reference, session.path())) : std::nullopt,
+          loadKeyframes(session)};
 }
 
 }  // namespace

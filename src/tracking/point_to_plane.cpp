@@ -10,7 +10,7 @@ namespace saccade {
 namespace {
 
 constexpr std::size_t kBlock = LivePoints::kBlock;
-constexpr int kSums = 21 + 6 + 4;  // upper triangle of H, b, weight, weighted square, met, inliers
+static_assert(kBlock == ResidualRows::kBlock);
 
 struct Model {
   const float* depth;
@@ -26,15 +26,6 @@ struct Gates {
   float cosine;
 };
 
-// Rows of the linear system of one block.
-struct Rows {
-  alignas(32) float j[6][kBlock];
-  alignas(32) float residual[kBlock];
-  alignas(32) float weight[kBlock];
-  alignas(32) float met[kBlock];
-  alignas(32) float inlier[kBlock];
-};
-
 struct BlockPoints {
   const float* p[3];
   const float* n[3];
@@ -42,7 +33,7 @@ struct BlockPoints {
 };
 
 SACCADE_MULTIVERSION
-void pairBlock(const BlockPoints& points, const float* T, const Model& model, const Gates& gates, Rows& rows) {
+void pairBlock(const BlockPoints& points, const float* T, const Model& model, const Gates& gates, ResidualRows& rows) {
   const float* px = points.p[0];
   const float* py = points.p[1];
   const float* pz = points.p[2];
@@ -91,7 +82,8 @@ void pairBlock(const BlockPoints& points, const float* T, const Model& model, co
                                  mz * (r20 * live_nx + r21 * live_ny + r22 * live_nz);
     const FloatLanes square = dx * dx + dy * dy + dz * dz;
     const IntLanes met = depth > zero;
-    const IntLanes paired = met & (square * per_gate_square < 1.0F) & (agreement > cosine);
+    const IntLanes near = met & (square * per_gate_square < 1.0F);
+    const IntLanes paired = near & (agreement > cosine);
     const FloatLanes left = most(zero, 1.0F - residual * residual * per_gate_square);
     storeLanes(paired ? y * mz - z * my : zero, rows.j[0] + i);
     storeLanes(paired ? z * mx - x * mz : zero, rows.j[1] + i);
@@ -102,30 +94,9 @@ void pairBlock(const BlockPoints& points, const float* T, const Model& model, co
     storeLanes(paired ? residual : zero, rows.residual + i);
     storeLanes(paired ? weight * left * left : zero, rows.weight + i);
     storeLanes(met ? allLanes(1.0F) : zero, rows.met + i);
+    storeLanes(near ? allLanes(1.0F) : zero, rows.near + i);
     storeLanes(paired ? allLanes(1.0F) : zero, rows.inlier + i);
   }
-}
-
-SACCADE_MULTIVERSION
-void sumBlock(const Rows& rows, float (*sums)[kLanes]) {
-  FloatLanes total[kSums] = {};
-  for (std::size_t i = 0; i < kBlock; i += kLanes) {
-    const FloatLanes weight = loadLanes(rows.weight + i), residual = loadLanes(rows.residual + i);
-    FloatLanes j[6];
-    for (std::size_t a = 0; a < 6; ++a) j[a] = loadLanes(rows.j[a] + i);
-    std::size_t k = 0;
-    for (std::size_t a = 0; a < 6; ++a) {
-      const FloatLanes weighted = j[a] * weight;
-      for (std::size_t b = a; b < 6; ++b) total[k++] += weighted * j[b];
-    }
-    const FloatLanes weighted_residual = residual * weight;
-    for (std::size_t a = 0; a < 6; ++a) total[k++] += weighted_residual * j[a];
-    total[k] += weight;
-    total[k + 1] += weighted_residual * residual;
-    total[k + 2] += loadLanes(rows.met + i);
-    total[k + 3] += loadLanes(rows.inlier + i);
-  }
-  for (std::size_t k = 0; k < kSums; ++k) storeLanes(total[k], sums[k]);
 }
 
 }  // namespace
@@ -166,8 +137,8 @@ void LivePoints::select(const DepthMaps& depth, int stride) {
   }
 }
 
-void linearize(const LivePoints& points, const ModelView& model, const Pose& T_MC, const PairingGates& gates,
-               NormalEquations& sums) {
+NormalEquations linearize(const LivePoints& points, const ModelView& model, const Pose& T_MC,
+                          const PairingGates& gates) {
   const PinholeCamera& camera = model.camera;
   const Model view{model.depth_m[0],
                    model.normals[0][0].val,
@@ -185,29 +156,17 @@ void linearize(const LivePoints& points, const ModelView& model, const Pose& T_M
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) T[4 * row + column] = static_cast<float>(T_MC.matrix()(row, column));
   }
-  std::array<double, kSums> total{};
-  Rows rows;
+  RowSums sums;
+  ResidualRows rows;
   for (std::size_t first = 0; first < points.count; first += kBlock) {
     const BlockPoints block{
         {points.position[0].data() + first, points.position[1].data() + first, points.position[2].data() + first},
         {points.normal[0].data() + first, points.normal[1].data() + first, points.normal[2].data() + first},
         points.weight.data() + first};
-    alignas(32) float lanes[kSums][kLanes];
     pairBlock(block, T, view, limits, rows);
-    sumBlock(rows, lanes);
-    for (std::size_t k = 0; k < kSums; ++k) {
-      for (const float lane : lanes[k]) total[k] += static_cast<double>(lane);
-    }
+    sums.add(rows);
   }
-  std::size_t k = 0;
-  for (int a = 0; a < 6; ++a) {
-    for (int b = a; b < 6; ++b) sums.H(a, b) = sums.H(b, a) = total[k++];
-  }
-  for (int a = 0; a < 6; ++a) sums.b(a) = total[k++];
-  sums.weight = total[k];
-  sums.weighted_square = total[k + 1];
-  sums.met = total[k + 2];
-  sums.inliers = total[k + 3];
+  return sums.sums();
 }
 
 Matrix6 noiseFreeInformation(const LivePoints& points, const ModelView& model, const Pose& T_MC,

@@ -4,16 +4,12 @@
 #include <cstddef>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "saccade/core/depth_maps.hpp"
 #include "saccade/core/frame.hpp"
 #include "saccade/map/model_view.hpp"
+#include "tracking/normal_equations.hpp"
 
 namespace saccade {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// Live points of one level, camera frame C, in separate arrays that are padded to whole blocks with weight 0.
 struct LivePoints {
@@ -34,21 +30,11 @@ struct PairingGates {
   double normal_cosine = 0.8;
 };
 
-/// Sum of squared point-to-plane distances around one pose, to second order. The unknown is (turn, shift) of a motion
-/// applied to the points in the model's frame M: p_M -> turn x p_M + p_M + shift.
-struct NormalEquations {
-  Matrix6 H = Matrix6::Zero();
-  Vector6 b = Vector6::Zero();  ///< minus the gradient: the step solves H * step = b
-  double weight = 0.0;
-  double weighted_square = 0.0;  ///< m^2
-  double met = 0.0;              ///< points that project onto a surface of the model
-  double inliers = 0.0;          ///< those within the gates
-};
-
-/// Pairs each point with the model's surface behind the pixel it projects to and sums up the normal equations, with
-/// Tukey's weights (zero at the gate). Same bytes for same arguments.
-void linearize(const LivePoints& points, const ModelView& model, const Pose& T_MC, const PairingGates& gates,
-               NormalEquations& sums);
+/// Pairs each point with the model's surface behind the pixel it projects to and sums up the normal equations of the
+/// point-to-plane distances, metres, with Tukey's weights (zero at the gate). `near` are the points within the distance
+/// gate, `inliers` those whose normal agrees too. Same bytes for same arguments.
+[[nodiscard]] NormalEquations linearize(const LivePoints& points, const ModelView& model, const Pose& T_MC,
+                                        const PairingGates& gates);
 
 /// The matrix H per unit of weight as it would be without noise in the normals, estimated around one pose.
 ///

@@ -32,6 +32,8 @@ void expectSameExploration(const std::filesystem::path& a_path, const std::files
     EXPECT_TRUE(blobsOf(a, table) == blobsOf(b, table)) << "table " << static_cast<int>(table);
   }
   EXPECT_EQ(a.state("motion"), b.state("motion"));
+  EXPECT_TRUE(a.state("photometric_reference").has_value());
+  EXPECT_TRUE(a.state("photometric_reference") == b.state("photometric_reference"));
   const std::vector<KeyframeRecord> keyframes_a = a.keyframes(), keyframes_b = b.keyframes();
   ASSERT_EQ(keyframes_a.size(), keyframes_b.size());
   EXPECT_GT(keyframes_a.size(), 0U);

@@ -21,6 +21,7 @@ struct ExplorerMemory {
   SurfaceVolume surface;
   AttendLog log;
   MotionPredictor::State motion;
+  std::optional<PhotometricReference::State> reference;    ///< none: tracking begins without colour
   std::vector<std::shared_ptr<const Keyframe>> keyframes;  ///< in the order in which they came
 };
 
@@ -73,6 +74,7 @@ class Explorer {
   [[nodiscard]] const AttendLog& attendLog() const;
   [[nodiscard]] AttendLog& attendLog();
   [[nodiscard]] const MotionPredictor::State& motion() const;
+  [[nodiscard]] const PhotometricReference& photometricReference() const;
   [[nodiscard]] const KeyframeSet& keyframes() const;
   [[nodiscard]] const ExplorerConfig& config() const;
   [[nodiscard]] const PinholeCamera& camera() const;

@@ -23,6 +23,7 @@ struct ExplorerConfig {
   SurfaceVolumeConfig surface;
   MotionPredictorConfig motion;
   TrackerConfig tracking;
+  PhotometricReferenceConfig photometric;
   KeyframeConfig keyframes;
   FeatureExtractorConfig features;
   RelocaliserConfig relocalisation;
@@ -36,14 +37,16 @@ struct ExplorerConfig {
     visitor.section("surface", surface, "the surface volume that tracking looks at");
     visitor.section("motion", motion, "prediction of the camera's motion");
     visitor.section("tracking", tracking, "ICP, frame to model");
+    visitor.section("photometric", photometric, "the earlier frame whose colour helps tracking");
     visitor.section("keyframes", keyframes, "which tracked frames are remembered, to find a place again");
     visitor.section("features", features, "point features of keyframes");
     visitor.section("relocalisation", relocalisation, "finding a lost camera by keyframes");
     visitor.section("verification", verification, "what the surface must say to a place that was found");
   }
 
-  /// Switches off everything in discovery and attention that goes beyond the paper.
+  /// Switches off everything in discovery, attention and tracking that goes beyond the paper.
   void usePaperOnly() {
+    tracking.grey_levels_per_mm = 0.0;
     discovery.usePaperOnly();
     map.attend_blocks = false;
   }

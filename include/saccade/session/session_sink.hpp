@@ -78,6 +78,7 @@ class SessionSink final : public FrameSink {
   std::chrono::steady_clock::time_point last_checkpoint_;
   std::int64_t next_ordinal_ = 0;
   std::unique_ptr<MapChanges> changes_;
+  std::size_t saved_reference_ = 0;  ///< changes of the photometric reference up to the last checkpoint
   std::unique_ptr<Checkpoint> checkpoint_;
   std::unique_ptr<SessionPager> pager_;
   std::unique_ptr<CheckpointThread> thread_;
