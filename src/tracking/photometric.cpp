@@ -9,8 +9,6 @@ namespace {
 using Points = PhotometricReference::Points;
 static_assert(Points::kBlock == ResidualRows::kBlock);
 
-// Grey levels at which a difference is not noise any more but another surface, a highlight or a shadow.
-constexpr float kGate = 15.0F;
 // A surface is the reference's if the live depth is that of the point up to this and this times its square, metres.
 constexpr float kSameDepth_m = 0.02F, kSameDepth_per_m = 0.02F;
 
@@ -22,6 +20,7 @@ struct View {
   float fx, fy, cx, cy;  // of the level
   int reduction;         // of the level
   float brightness;
+  float gate;
 };
 
 struct Transforms {
@@ -56,6 +55,7 @@ SACCADE_INLINE void transform(const float* T, const Vector& from, Vector& to) {
 SACCADE_MULTIVERSION
 void compareBlock(const BlockPoints& points, const Transforms& transforms, const View& view, ResidualRows& rows) {
   const FloatLanes zero = {};
+  const float per_gate_square = 1.0F / (view.gate * view.gate);
   const auto u_end = static_cast<float>(view.width - 1), v_end = static_cast<float>(view.height - 1);
   for (std::size_t i = 0; i < ResidualRows::kBlock; i += kLanes) {
     const Vector point{loadLanes(points.p[0] + i), loadLanes(points.p[1] + i), loadLanes(points.p[2] + i)};
@@ -86,7 +86,7 @@ void compareBlock(const BlockPoints& points, const Transforms& transforms, const
     const IntLanes same =
         (seen <= zero) | (magnitude(seen - live.z) < kSameDepth_m + kSameDepth_per_m * live.z * live.z);
     const IntLanes met = inside & same;
-    const FloatLanes left = 1.0F - residual * residual * (1.0F / (kGate * kGate));
+    const FloatLanes left = 1.0F - residual * residual * per_gate_square;
     const IntLanes counts = met & (left > zero);
     Vector at, slope;
     transform(transforms.to_model, point, at);
@@ -115,7 +115,7 @@ void copyRows(const Pose& pose, float* rows) {
 }  // namespace
 
 NormalEquations linearizePhotometric(const PhotometricPair& pair, std::size_t level, const Pose& T_MC,
-                                     double brightness) {
+                                     double brightness, double gate) {
   const IntensityPyramid::Level& live = pair.live.levels[level];
   const PinholeCamera& camera = live.camera;
   const View view{live.grey[0],
@@ -128,7 +128,8 @@ NormalEquations linearizePhotometric(const PhotometricPair& pair, std::size_t le
                   static_cast<float>(camera.cx),
                   static_cast<float>(camera.cy),
                   2 << level,
-                  static_cast<float>(brightness)};
+                  static_cast<float>(brightness),
+                  static_cast<float>(gate)};
   Transforms transforms;
   copyRows(T_MC.inverse() * pair.T_MR, transforms.to_live);
   copyRows(pair.T_MR, transforms.to_model);

@@ -19,10 +19,10 @@ struct PhotometricPair {
 };
 
 /// Projects each point of the reference into the live frame at `T_MC` and sums up the normal equations of the
-/// differences of grey values less `brightness`, with Tukey's weights, which are zero from 15 grey levels. The unknown
-/// is as for linearize(). Texture's slope is that in the reference, which is the same surface's (inverse compositional,
-/// Baker and Matthews 2004).
+/// differences of grey values less `brightness`, with Tukey's weights, which are zero from `gate` grey levels. The
+/// unknown is as for linearize(). Texture's slope is that in the reference, which is the same surface's (inverse
+/// compositional, Baker and Matthews 2004).
 [[nodiscard]] NormalEquations linearizePhotometric(const PhotometricPair& pair, std::size_t level, const Pose& T_MC,
-                                                   double brightness);
+                                                   double brightness, double gate);
 
 }  // namespace saccade

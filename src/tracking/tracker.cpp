@@ -17,6 +17,9 @@ namespace saccade {
 namespace {
 
 constexpr int kLevels = 3;
+// Differences of grey values that are another surface, a highlight or a shadow. Finest level first: before the camera
+// is in its place, the same surface differs too.
+constexpr std::array<double, kLevels> kGreyGates = {15.0, 20.0, 40.0};
 // A step below this moves no point at 4 m by more than a quarter of a millimetre.
 constexpr double kSmallTurn_rad = 3e-5;
 constexpr double kSmallShift_m = 1e-4;
@@ -60,7 +63,8 @@ class ColorTerm {
     if (!pair_) return;
     // What a few points say must not weigh like what the whole image says.
     constexpr double kFewPoints = 500.0;
-    const NormalEquations sums = linearizePhotometric(*pair_, level == kLevels - 1 ? 1 : 0, T_MC, brightness_);
+    const std::size_t of_pyramid = level == kLevels - 1 ? 1 : 0;
+    const NormalEquations sums = linearizePhotometric(*pair_, of_pyramid, T_MC, brightness_, kGreyGates[level]);
     if (!(sums.weight > 0.0)) return;
     const double share = factor_ / std::max(sums.weight, kFewPoints);
     step.H += share * sums.H;

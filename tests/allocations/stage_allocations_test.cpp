@@ -124,7 +124,12 @@ TEST(Allocations, TrackingTakesNone) {
   ModelView view;
   volume.rayCast(desk().camera.reducedBy(2), desk().frames[0]->T_WC, view);
   Tracker tracker;
-  EXPECT_EQ(mostAllocations([&](const Frame& f) { (void)tracker.track(f.depth, view, f.T_WC); }), 0u);
+  PhotometricReference reference;
+  IntensityPyramid intensity;
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { intensity.build(f.color, desk().camera); }), 0u);
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { reference.take(f.depth, intensity, f.T_WC); }), 0u);
+  const TrackedColor color{intensity, reference};
+  EXPECT_EQ(mostAllocations([&](const Frame& f) { (void)tracker.track(f.depth, view, f.T_WC, &color); }), 0u);
 }
 
 TEST(Allocations, TheMapAndItsViewTakeNone) {

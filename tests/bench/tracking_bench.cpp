@@ -8,12 +8,15 @@
 namespace saccade::bench {
 namespace {
 
-/// Frame to model: the view of the whole kitchen from the pose of the frame before, five frames of the video back.
+/// Frame to model: the view of the whole kitchen from the pose of the frame before, five frames of the video back, and
+/// that frame's colour; with the frame's own grey values.
 void trackFrameToModel(benchmark::State& state) {
   const SurfaceVolume volume = surfaceOfKitchen();
   const auto& frames = preparedFrames();
   Tracker tracker;
   ModelView model;
+  PhotometricReference reference;
+  IntensityPyramid intensity;
   std::size_t i = 0;
   double tracked = 0.0;
   for (auto _ : state) {
@@ -22,8 +25,12 @@ void trackFrameToModel(benchmark::State& state) {
     const PreparedFrame& now = frames[i % (frames.size() - 1) + 1];
     ++i;
     volume.rayCast(before.depth.camera.reducedBy(2), before.T_WC, model);
+    intensity.build(before.color, before.depth.camera);
+    reference.take(before.depth, intensity, before.T_WC);
     state.ResumeTiming();
-    tracked += tracker.track(now.depth, model, before.T_WC).status == TrackingStatus::kTracked ? 1.0 : 0.0;
+    intensity.build(now.color, now.depth.camera);
+    const TrackedColor color{intensity, reference};
+    tracked += tracker.track(now.depth, model, before.T_WC, &color).status == TrackingStatus::kTracked ? 1.0 : 0.0;
   }
   state.counters["tracked"] = benchmark::Counter(tracked, benchmark::Counter::kAvgIterations);
 }

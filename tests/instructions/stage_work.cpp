@@ -90,7 +90,12 @@ void countMapping(const RgbdFrame& frame, const DepthMaps& depth) {
   const PinholeCamera half = depth.camera.reducedBy(2);
   count("model_view", [&] { volume.rayCast(half, T_WC, model); });
   Tracker tracker;
-  count("track", [&] { (void)tracker.track(depth, model, T_WC); });
+  IntensityPyramid intensity;
+  count("grey_values", [&] { intensity.build(frame.color, depth.camera); });
+  PhotometricReference reference;
+  count("photometric_reference", [&] { reference.take(depth, intensity, T_WC); });
+  const TrackedColor color{intensity, reference};
+  count("track", [&] { (void)tracker.track(depth, model, T_WC, &color); });
   IorMap map;
   count("integrate_map", [&] { (void)map.integrate(depth, frame.color, T_WC); });
   Renderer renderer;

@@ -42,16 +42,14 @@ TEST(PointToPlane, HasTheGradientOfItsOwnSumOfSquares) {
   LivePoints points;
   points.select(depth, 2);
   const Pose T = poseOf({0.2, 1, 0.1}, 1.0, {0.01, -0.02, 0.015});
-  NormalEquations sums;
-  linearize(points, model, T, kOpen, sums);
+  const NormalEquations sums = linearize(points, model, T, kOpen);
   for (int axis = 0; axis < 6; ++axis) {
     constexpr double kStep = 1e-3;
     double cost[2];
     for (const int side : {0, 1}) {
       Vector6 step = Vector6::Zero();
       step(axis) = side == 0 ? -kStep : kStep;
-      NormalEquations there;
-      linearize(points, model, rigidMotion(step.head<3>(), step.tail<3>()) * T, kOpen, there);
+      const NormalEquations there = linearize(points, model, rigidMotion(step.head<3>(), step.tail<3>()) * T, kOpen);
       EXPECT_EQ(there.inliers, sums.inliers);
       cost[side] = 0.5 * there.weighted_square;
     }
@@ -65,13 +63,13 @@ TEST(PointToPlane, LeavesOutPointsBeyondTheGates) {
   ModelView model = wall();
   LivePoints points;
   points.select(depth, 2);
-  NormalEquations near, turned;
-  linearize(points, model, Pose::Identity(), {0.02, 0.8}, near);
+  const NormalEquations near = linearize(points, model, Pose::Identity(), {0.02, 0.8});
   EXPECT_LT(near.inliers, near.met);
   EXPECT_LE(near.weighted_square, near.weight * 0.02 * 0.02);
   model.normals.setTo(cv::Scalar(1.0, 0.0, 0.0));
-  linearize(points, model, Pose::Identity(), {1000.0, 0.999}, turned);
+  const NormalEquations turned = linearize(points, model, Pose::Identity(), {1000.0, 0.999});
   EXPECT_EQ(turned.inliers, 0.0);
+  EXPECT_EQ(turned.near, turned.met);
 }
 
 // Turns every normal by its own angle of about `noise` radians.
@@ -95,8 +93,7 @@ TEST(PointToPlane, DoesNotTakeNoiseInTheNormalsForStructureOfTheSurface) {
   addNoise(depth.normals, kNoise_rad, 2);
   LivePoints points;
   points.select(depth, 2);
-  NormalEquations sums;
-  linearize(points, model, Pose::Identity(), {0.05, 0.5}, sums);
+  const NormalEquations sums = linearize(points, model, Pose::Identity(), {0.05, 0.5});
   const Matrix6 with_noise = sums.H / sums.weight;
   const Matrix6 without = noiseFreeInformation(points, model, Pose::Identity(), {0.05, 0.5});
   // A shift along the wall cannot be seen: all that H has to say about it is the square of the noise.
@@ -113,8 +110,7 @@ TEST(PointToPlane, CountsNothingWhereTheModelHasNoSurface) {
   model.normals.setTo(cv::Scalar::all(0.0));
   LivePoints points;
   points.select(depth, 2);
-  NormalEquations sums;
-  linearize(points, model, Pose::Identity(), kOpen, sums);
+  const NormalEquations sums = linearize(points, model, Pose::Identity(), kOpen);
   EXPECT_GT(points.count, 1000U);
   EXPECT_EQ(sums.met, 0.0);
   EXPECT_EQ(sums.weight, 0.0);
