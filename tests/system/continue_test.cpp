@@ -154,10 +154,10 @@ TEST(MapMemory, AResumedExplorationThatPagesItsMapIsTheSameAsOneThatKeepsIt) {
 
 TEST(MaxSessionSize, ThinsKeyframeImagesThenEndsWithAllThatWasExplored) {
   const TemporaryFolder folder;
-  constexpr double kLimit_MiB = 6.0;
+  constexpr double kLimit_MiB = 7.0;
   const ProgramRun run =
       runSaccade({"explore", "sim:desk?frames=100", "-o", folder / "s.saccade", "--poses", "dataset",
-                  "--checkpoint-interval", "0", "--set", "keyframes.spacing_m=0.02", "--max-session-size", "6"});
+                  "--checkpoint-interval", "0", "--set", "keyframes.spacing_m=0.02", "--max-session-size", "7"});
   EXPECT_EQ(run.exit_code, 0) << run.talk;
   EXPECT_NE(run.talk.find("grown to --max-session-size"), std::string::npos) << run.talk;
   EXPECT_LE(static_cast<double>(std::filesystem::file_size(folder / "s.saccade")), kLimit_MiB * 1048576.0);
