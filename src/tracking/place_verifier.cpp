@@ -61,8 +61,10 @@ VerifiedPlace PlaceVerifier::examine(const DepthMaps& depth, const SurfaceVolume
   const PinholeCamera camera = depth.camera.reducedBy(kViewReduction);
   VerifiedPlace place;
   place.tracking.T_WC = guess;
-  // The first alignment looks from the guess, which may hide what is seen from the place itself; the second does not.
-  for (int pass = 0; pass < 2; ++pass) {
+  // The first alignment looks from the guess, which may hide what is seen from the place itself. Later ones do not, and
+  // bring the last centimetres: a guess by features is off by several.
+  constexpr int kPasses = 4;
+  for (int pass = 0; pass < kPasses; ++pass) {
     if (prepare_) prepare_(place.tracking.T_WC);
     surface.rayCast(camera, place.tracking.T_WC, view_);
     place.tracking = tracker_.track(depth, view_, place.tracking.T_WC);
