@@ -49,7 +49,7 @@ PhotometricReference::State decodeReference(std::string_view bytes, const std::f
     const char* from = bytes.data() + kHeadBytes;
     Points::forEachArray(state.points, [&](std::vector<float>& array) {
       array.resize(padded, 0.0F);
-      std::memcpy(array.data(), from, count * sizeof(float));
+      if (count > 0) std::memcpy(array.data(), from, count * sizeof(float));
       from += count * sizeof(float);
       sound = sound && std::all_of(array.begin(), array.end(), [](float number) { return std::isfinite(number); });
     });
