@@ -99,6 +99,7 @@ struct Explorer::Stages {
   Tracking follow(const FrameLook& look, const Pose& prediction, StageClock& clock);
   void trackAhead(const Pose& prediction);
   void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
+  void renewReference(const FrameLook& look, const Tracking& tracking);
   void remember(std::shared_ptr<const Keyframe> keyframe);
   const IorView* mapFrame(const RgbdFrame& frame, const FrameLook& look, const Tracking& tracking,
                           const RgbdFrame* tracked_next, StageClock& clock, TasksBeside& beside);
@@ -166,6 +167,13 @@ void Explorer::Stages::relocalise(const RgbdFrame& frame, const DepthMaps& depth
   report.relocalised = true;
 }
 
+/// Lets the frame be what the colour of later ones is compared with, if another is due and its pose is good.
+void Explorer::Stages::renewReference(const FrameLook& look, const Tracking& tracking) {
+  const bool compares = config.tracking.grey_levels_per_mm > 0.0 && look.has_depth;
+  if (!compares || tracking.status != TrackingStatus::kTracked || !reference.wants(tracking.T_WC)) return;
+  reference.take(look.depth, look.intensity, tracking.T_WC);
+}
+
 void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
   relocaliser.add(keyframe);
   keyframes.add(std::move(keyframe));
@@ -181,7 +189,6 @@ const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const FrameLoo
   bringBack(tracking.T_WC);
   if (tracking.status == TrackingStatus::kTracked && look.has_depth) {
     const DepthMaps& depth = look.depth;
-    if (reference.wants(tracking.T_WC)) reference.take(depth, look.intensity, tracking.T_WC);
     const std::optional<Pose> prediction =
         tracked_next != nullptr ? std::optional(motion.predict(tracked_next->stamp_s)) : std::nullopt;
     beside.run([this, &depth, T_WC = tracking.T_WC, prediction] {
@@ -356,7 +363,10 @@ FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame*
   const bool tracks_ahead = look_ahead != nullptr && !believed && pager == nullptr;
   const auto map_branch = [&] {
     report.tracking = believed ? *believed : track(look, frame.stamp_s, clock);
-    if (!believed) relocalise(frame, look.depth, report, clock);
+    if (!believed) {
+      relocalise(frame, look.depth, report, clock);
+      renewReference(look, report.tracking);
+    }
     report.ior = mapFrame(frame, look, report.tracking, tracks_ahead ? next : nullptr, clock, beside);
     if (report.relocalised) motion.rest();  // the jump was no motion
   };

@@ -8,7 +8,8 @@
 
 namespace saccade {
 
-/// Name of the photometric reference in a session. Sessions of older programs have none, nor those without depth.
+/// Name of the photometric reference in a session. Sessions of older programs have none, nor those
+/// explored without tracking or without colour in it.
 inline constexpr const char* kReferenceState = "photometric_reference";
 
 /// Everything the photometric reference knows, bit for bit: its pose, the number of points as uint64, then for each

@@ -32,7 +32,6 @@ void expectSameExploration(const std::filesystem::path& a_path, const std::files
     EXPECT_TRUE(blobsOf(a, table) == blobsOf(b, table)) << "table " << static_cast<int>(table);
   }
   EXPECT_EQ(a.state("motion"), b.state("motion"));
-  EXPECT_TRUE(a.state("photometric_reference").has_value());
   EXPECT_TRUE(a.state("photometric_reference") == b.state("photometric_reference"));
   const std::vector<KeyframeRecord> keyframes_a = a.keyframes(), keyframes_b = b.keyframes();
   ASSERT_EQ(keyframes_a.size(), keyframes_b.size());
@@ -81,6 +80,7 @@ void expectTheLaw(const std::string& input, int stop, int end, const std::string
            std::to_string(stop) + ":" + std::to_string(end) + ":" + step, "--candidates", folder / "second.jsonl",
            "--threads", "2", "--checkpoint-interval", "0"});
   expectSameExploration(folder / "whole.saccade", folder / "parts.saccade");
+  EXPECT_TRUE(SessionReader(folder / "whole.saccade").state("photometric_reference").has_value());
   EXPECT_EQ(readFile(folder / "first.jsonl") + readFile(folder / "second.jsonl"), readFile(folder / "whole.jsonl"));
   EXPECT_EQ(SessionReader(folder / "parts.saccade").runs().size(), 2U);
   for (const char* name : {"whole.saccade", "parts.saccade"}) {
@@ -154,10 +154,10 @@ TEST(MapMemory, AResumedExplorationThatPagesItsMapIsTheSameAsOneThatKeepsIt) {
 
 TEST(MaxSessionSize, ThinsKeyframeImagesThenEndsWithAllThatWasExplored) {
   const TemporaryFolder folder;
-  constexpr double kLimit_MiB = 7.0;
+  constexpr double kLimit_MiB = 6.0;
   const ProgramRun run =
       runSaccade({"explore", "sim:desk?frames=100", "-o", folder / "s.saccade", "--poses", "dataset",
-                  "--checkpoint-interval", "0", "--set", "keyframes.spacing_m=0.02", "--max-session-size", "7"});
+                  "--checkpoint-interval", "0", "--set", "keyframes.spacing_m=0.02", "--max-session-size", "6"});
   EXPECT_EQ(run.exit_code, 0) << run.talk;
   EXPECT_NE(run.talk.find("grown to --max-session-size"), std::string::npos) << run.talk;
   EXPECT_LE(static_cast<double>(std::filesystem::file_size(folder / "s.saccade")), kLimit_MiB * 1048576.0);
