@@ -2,21 +2,18 @@
 
 #include <chrono>
 
+#include <tbb/parallel_invoke.h>
+
 namespace saccade {
 namespace {
 
-class Stopwatch {
- public:
-  double lap_ms() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
+/// Runs `work` and returns the milliseconds that it took.
+template <typename Work>
+double timed(const Work& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
 
 void copy(const Segmentation& from, Segmentation& to) {
   from.labels.copyTo(to.labels);
@@ -35,21 +32,26 @@ Perceiver::Perceiver(PerceptionConfig config)
 }
 
 void Perceiver::perceive(const cv::Mat3b& color, const DepthMaps* depth, Perception& seen) {
-  Stopwatch watch;
-  saliency_.compute(color).copyTo(seen.saliency);
-  times_.saliency_ms = watch.lap_ms();
+  // Each needs the images alone: a thread that would have to wait takes a part.
+  tbb::parallel_invoke([&] { times_.color_ms = timed([&] { copy(color_.segment(color), seen.color); }); },
+                       [&] {
+                         times_.surface_ms = timed([&] {
+                           if (depth != nullptr) copy(surface_.segment(*depth), seen.surface);
+                         });
+                       },
+                       [&] {
+                         times_.saliency_ms = timed([&] { saliency_.compute(color).copyTo(seen.saliency); });
+                         times_.blobs_ms = timed([&] { growBlobs(seen); });
+                       });
+  times_.tables_ms = timed([&] { seen.makeTables(color, depth, config_.planes); });
+}
+
+void Perceiver::growBlobs(Perception& seen) {
   std::vector<SaliencyMaximum> maxima = findLocalMaxima(seen.saliency);
   if (config_.max_maxima > 0 && maxima.size() > static_cast<std::size_t>(config_.max_maxima)) {
     maxima.resize(static_cast<std::size_t>(config_.max_maxima));
   }
   seen.blobs = blobs_.grow(seen.saliency, maxima);
-  times_.blobs_ms = watch.lap_ms();
-  copy(color_.segment(color), seen.color);
-  times_.color_ms = watch.lap_ms();
-  if (depth != nullptr) copy(surface_.segment(*depth), seen.surface);
-  times_.surface_ms = watch.lap_ms();
-  seen.makeTables(color, depth, config_.planes);
-  times_.tables_ms = watch.lap_ms();
 }
 
 }  // namespace saccade

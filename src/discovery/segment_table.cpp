@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include <tbb/parallel_invoke.h>
+
 #include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
@@ -155,16 +157,24 @@ void SegmentTable::build(SegmentTable& first, const Segmentation& of_first, Segm
   second.begin(of_second, depth != nullptr);
   first.steps_.begin(color, depth);
   first.preparePixels();
-  for (int v = 0; v < size.height; ++v) {
-    first.common_runs_.clear();
-    forEachCommonRun(first.runs_.row(v), second.runs_.row(v), [&](int, int end, std::int32_t a, std::int32_t b) {
-      first.common_runs_.push_back({end, a + 1, b + 1});
-    });
-    addRuns(first.pixelRow(v, saliency, color, depth), first.common_runs_, first.added_.data(), second.added_.data());
-    if (depth != nullptr && v % kPointStep == 0) addPoints(first, second, depth->vertices[v]);
-    first.steps_.nextRow();
-    for (SegmentTable* table : {&first, &second}) table->cracks_.addRow(table->runs_, v, first.steps_);
-  }
+  tbb::parallel_invoke(
+      [&] {
+        for (int v = 0; v < size.height; ++v) {
+          first.common_runs_.clear();
+          forEachCommonRun(first.runs_.row(v), second.runs_.row(v), [&](int, int end, std::int32_t a, std::int32_t b) {
+            first.common_runs_.push_back({end, a + 1, b + 1});
+          });
+          addRuns(first.pixelRow(v, saliency, color, depth), first.common_runs_, first.added_.data(),
+                  second.added_.data());
+          if (depth != nullptr && v % kPointStep == 0) addPoints(first, second, depth->vertices[v]);
+        }
+      },
+      [&] {
+        for (int v = 0; v < size.height; ++v) {
+          first.steps_.nextRow();
+          for (SegmentTable* table : {&first, &second}) table->cracks_.addRow(table->runs_, v, first.steps_);
+        }
+      });
   for (SegmentTable* table : {&first, &second}) {
     table->takeSums();
     table->takeEdges();

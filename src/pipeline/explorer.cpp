@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
-#include <tbb/parallel_invoke.h>
-#include <tbb/task_group.h>
+#include <tbb/task_arena.h>
 
+#include "pipeline/errand.hpp"
 #include "pipeline/frame_looks.hpp"
 #include "pipeline/stage_clock.hpp"
 #include "saccade/discovery/candidate_mask.hpp"
@@ -31,15 +31,6 @@ namespace {
 
 /// The model is looked at with a camera of half the resolution: tracking uses every second pixel.
 constexpr int kModelReduction = 2;
-
-/// Tasks that run beside the frame's own thread, where another is idle, and end with their scope at the latest.
-class TasksBeside : public tbb::task_group {
- public:
-  TasksBeside() = default;
-  ~TasksBeside() { wait(); }
-  TasksBeside(const TasksBeside&) = delete;
-  TasksBeside& operator=(const TasksBeside&) = delete;
-};
 
 /// What tracking found for the frame that comes next, ahead of its turn.
 struct TrackedAhead {
@@ -93,6 +84,16 @@ struct Explorer::Stages {
   std::vector<std::vector<LeafKey>> attended_leaves;  ///< recycled: leaves by candidate, and their union
   std::vector<LeafKey> together;
   StageClock surface_clock;  ///< of what is done to the surface volume beside the rest
+  Errand of_surface, of_keyframe;
+
+  /// Whatever happens, nothing goes on beside when a frame is over.
+  struct Settling {
+    Stages& stages;
+    ~Settling() {
+      stages.of_surface.settle();
+      stages.of_keyframe.settle();
+    }
+  };
 
   void bringBack(const Pose& T_WC);
   Tracking track(const FrameLook& look, double stamp_s, StageClock& clock);
@@ -102,10 +103,9 @@ struct Explorer::Stages {
   void renewReference(const FrameLook& look, const Tracking& tracking);
   void remember(std::shared_ptr<const Keyframe> keyframe);
   const IorView* mapFrame(const RgbdFrame& frame, const FrameLook& look, const Tracking& tracking,
-                          const RgbdFrame* tracked_next, StageClock& clock, TasksBeside& beside);
-  [[nodiscard]] const FrameLook& lookAtDepth(const RgbdFrame& frame);
+                          const RgbdFrame* tracked_next, StageClock& clock);
   FrameLook& lookAndMap(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed,
-                        FrameReport& report, StageClock& clock, TasksBeside& beside);
+                        FrameReport& report, StageClock& clock);
   [[nodiscard]] bool becomesKeyframe(const FrameLook& look, const Tracking& tracking) const;
   void attend(FrameReport& report);
 };
@@ -180,23 +180,28 @@ void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
 }
 
 /// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost. The
-/// surface volume, which only tracking asks, learns `beside` the map; then `tracked_next`, if any, is tracked there.
+/// surface volume, which only tracking asks, learns beside the map; then `tracked_next`, if any, is tracked there.
 const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const FrameLook& look, const Tracking& tracking,
-                                          const RgbdFrame* tracked_next, StageClock& clock, TasksBeside& beside) {
+                                          const RgbdFrame* tracked_next, StageClock& clock) {
   surface_clock = StageClock();
-  if (tracking.status == TrackingStatus::kLost) return nullptr;
+  if (tracking.status == TrackingStatus::kLost) {
+    looks.perceiveAhead();
+    return nullptr;
+  }
   motion.observe(frame.stamp_s, tracking.T_WC);
   bringBack(tracking.T_WC);
   if (tracking.status == TrackingStatus::kTracked && look.has_depth) {
     const DepthMaps& depth = look.depth;
     const std::optional<Pose> prediction =
         tracked_next != nullptr ? std::optional(motion.predict(tracked_next->stamp_s)) : std::nullopt;
-    beside.run([this, &depth, T_WC = tracking.T_WC, prediction] {
+    of_surface.offer([this, &depth, T_WC = tracking.T_WC, prediction] {
       surface_clock.time("integrate surface", [&] { surface.integrate(depth, T_WC); });
       if (prediction) trackAhead(*prediction);
     });
+    looks.perceiveAhead();  // after the surface: who begins with that is done with it before this frame's end
     forgotten = clock.time("integrate map", [&] { return map.integrate(depth, frame.color, tracking.T_WC).forgotten; });
   }
+  looks.perceiveAhead();
   return clock.time("2D IOR map", [&] { return &renderer.renderIor(map.view(), camera, tracking.T_WC); });
 }
 
@@ -255,7 +260,7 @@ void Explorer::pageBy(MapPager* pager) {
 std::optional<VerifiedPlace> Explorer::findPlace(const RgbdFrame& frame) {
   requireImages(frame);
   Stages& s = *stages_;
-  const FrameLook& look = s.lookAtDepth(frame);
+  const FrameLook& look = s.looks.take(frame);
   if (!look.has_depth) return std::nullopt;
   return s.relocaliser.find(s.extractor.extract(frame.color, look.depth), look.depth, s.surface);
 }
@@ -263,7 +268,7 @@ std::optional<VerifiedPlace> Explorer::findPlace(const RgbdFrame& frame) {
 std::optional<VerifiedPlace> Explorer::verifyPlace(const RgbdFrame& frame, const Pose& guess) {
   requireImages(frame);
   Stages& s = *stages_;
-  const FrameLook& look = s.lookAtDepth(frame);
+  const FrameLook& look = s.looks.take(frame);
   if (!look.has_depth) return std::nullopt;
   return s.verifier.verify(look.depth, s.surface, guess);
 }
@@ -345,38 +350,26 @@ void Explorer::requireImages(const RgbdFrame& frame) const {
   }
 }
 
-/// A look with the frame's depth maps at least.
-const FrameLook& Explorer::Stages::lookAtDepth(const RgbdFrame& frame) {
-  const FrameLook* ahead = looks.takeAhead(frame);
-  return ahead != nullptr ? *ahead : looks.prepare(frame);
-}
-
-/// Looks at the frame, or takes the look begun ahead, and tracks and maps. The attention branch needs only the frame:
-/// it runs beside the map branch of the same frame, or of the one before.
+/// Tracks and maps the frame beside the look at it, which needs nothing else and was mostly begun ahead.
 FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame* next,
-                                        const std::optional<Tracking>& believed, FrameReport& report, StageClock& clock,
-                                        TasksBeside& beside) {
-  FrameLook* look_ahead = clock.time("wait for perception", [&] { return looks.takeAhead(frame); });
-  FrameLook& look = look_ahead != nullptr ? *look_ahead : looks.prepare(frame);
-  if (look_ahead == nullptr) ahead.reset();  // of another frame
+                                        const std::optional<Tracking>& believed, FrameReport& report,
+                                        StageClock& clock) {
+  if (!looks.isAnnounced(frame)) ahead.reset();  // of another frame
+  FrameLook& look = looks.take(frame);
+  looks.perceive();
+  if (next != nullptr) looks.announce(*next);
   // Who pages brings parts of the surface back to where the map is looked at, too.
-  const bool tracks_ahead = look_ahead != nullptr && !believed && pager == nullptr;
-  const auto map_branch = [&] {
-    report.tracking = believed ? *believed : track(look, frame.stamp_s, clock);
-    if (!believed) {
-      relocalise(frame, look.depth, report, clock);
-      renewReference(look, report.tracking);
-    }
-    report.ior = mapFrame(frame, look, report.tracking, tracks_ahead ? next : nullptr, clock, beside);
-    if (report.relocalised) motion.rest();  // the jump was no motion
-  };
-  if (look_ahead != nullptr) {
-    if (next != nullptr) looks.beginAhead(*next);
-    map_branch();
-  } else {
-    tbb::parallel_invoke([&] { looks.perceive(frame, look); }, map_branch);
-    if (next != nullptr) looks.beginAhead(*next);
+  const bool tracks_ahead = !believed && pager == nullptr;
+  if (!believed && !ahead) looks.perceiveAhead();  // tracking will take its time
+  report.tracking = believed ? *believed : track(look, frame.stamp_s, clock);
+  if (!believed) {
+    relocalise(frame, look.depth, report, clock);
+    renewReference(look, report.tracking);
   }
+  report.ior = mapFrame(frame, look, report.tracking, tracks_ahead ? next : nullptr, clock);
+  if (report.relocalised) motion.rest();           // the jump was no motion
+  if (!looks.isPerceived()) of_surface.attempt();  // better than to wait
+  clock.time("wait for perception", [&] { looks.waitUntilPerceived(); });
   return look;
 }
 
@@ -391,14 +384,14 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
   report.name = frame.name;
   report.stamp_s = frame.stamp_s;
   StageClock clock;
-  TasksBeside beside;
+  const Stages::Settling at_end{s};
 
-  FrameLook& look = s.lookAndMap(frame, next, believed, report, clock, beside);
+  FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
   report.seen = &look.seen;
   report.depth = look.has_depth ? &look.depth : nullptr;
 
   if (s.becomesKeyframe(look, report.tracking)) {
-    beside.run([&] {
+    s.of_keyframe.offer([&] {
       report.keyframe = std::make_shared<const Keyframe>(
           Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, look.depth)});
     });
@@ -407,12 +400,15 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
   InhibitionSplit split = clock.time("inhibit", [&] {
     return withoutInhibited(std::move(look.pool), look.seen, inhibited_pixels, s.config.discovery.inhibition);
   });
-  report.open = clock.time("rank", [&] { return s.ranker.rank(std::move(split.open), look.seen); });
+  report.open = clock.time("rank", [&] {
+    return tbb::this_task_arena::isolate([&] { return s.ranker.rank(std::move(split.open), look.seen); });
+  });
   report.attended = std::min(report.open.size(), static_cast<std::size_t>(s.config.discovery.ranking.top_k));
   report.inhibited = std::move(split.inhibited);
 
   if (report.tracking.status != TrackingStatus::kLost) clock.time("attend", [&] { s.attend(report); });
-  beside.wait();
+  s.of_surface.finish();
+  s.of_keyframe.finish();
   if (report.keyframe) s.remember(report.keyframe);
   report.tick = s.map.now();
   report.stages = look.times;

@@ -1,39 +1,65 @@
 #include "pipeline/frame_looks.hpp"
 
+#include <utility>
+
+#include <tbb/task_arena.h>
+
 #include "pipeline/stage_clock.hpp"
 
 namespace saccade {
 
-FrameLook* FrameLooks::takeAhead(const RgbdFrame& frame) {
-  const bool is_same = !ahead_.color.empty() && ahead_.index == frame.index && ahead_.color.data == frame.color.data &&
-                       ahead_.depth_m.data == frame.depth_m.data;
-  task_.wait();
-  ahead_ = {};
-  if (!is_same) return nullptr;
+void FrameLooks::assign(Slot& slot, const RgbdFrame& frame) {
+  slot.errand.settle();
+  slot.frame = frame;
+  slot.prepared.emplace();
+  slot.is_begun = false;
+}
+
+void FrameLooks::announce(const RgbdFrame& next) {
+  assign(slots_[1 - current_], next);
+}
+
+bool FrameLooks::isAnnounced(const RgbdFrame& frame) const {
+  const RgbdFrame& announced = slots_[1 - current_].frame;
+  return !announced.color.empty() && announced.index == frame.index && announced.color.data == frame.color.data &&
+         announced.depth_m.data == frame.depth_m.data;
+}
+
+FrameLook& FrameLooks::take(const RgbdFrame& frame) {
+  Slot& slot = slots_[1 - current_];
+  if (!isAnnounced(frame)) assign(slot, frame);
   current_ = 1 - current_;
-  return &looks_[current_];
+  prepare(slot);
+  return slot.look;
 }
 
-FrameLook& FrameLooks::prepare(const RgbdFrame& frame) {
-  FrameLook& look = looks_[current_];
-  prepareDepth(frame, look);
-  return look;
+void FrameLooks::prepare(Slot& slot) const {
+  // Preparing starts no tasks: a thread that waited for some could run one that asks for these same maps.
+  std::call_once(*slot.prepared, [&] {
+    FrameLook& look = slot.look;
+    look.times.clear();
+    look.has_depth = !slot.frame.depth_m.empty();
+    look.depth.depth_m.resize(0);
+    if (!look.has_depth) return;
+    StageClock clock;
+    clock.time("prepare depth", [&] { slot.preparation.prepare(slot.frame.depth_m, camera_, look.depth); });
+    clock.time("grey values", [&] { look.intensity.build(slot.frame.color, camera_); });
+    look.times = clock.stages();
+  });
 }
 
-void FrameLooks::prepareDepth(const RgbdFrame& frame, FrameLook& look) {
-  look.times.clear();
-  look.has_depth = !frame.depth_m.empty();
-  look.depth.depth_m.resize(0);
-  if (!look.has_depth) return;
-  StageClock clock;
-  clock.time("prepare depth", [&] { preparation_.prepare(frame.depth_m, camera_, look.depth); });
-  clock.time("grey values", [&] { look.intensity.build(frame.color, camera_); });
-  look.times = clock.stages();
+void FrameLooks::begin(Slot& slot) {
+  if (slot.frame.color.empty() || std::exchange(slot.is_begun, true)) return;
+  slot.errand.offer([this, &slot] { perceive(slot); });
 }
 
-void FrameLooks::perceive(const RgbdFrame& frame, FrameLook& look) {
-  perceiver_.perceive(frame.color, look.has_depth ? &look.depth : nullptr, look.seen);
-  const Perceiver::Times& times = perceiver_.times();
+void FrameLooks::perceive(Slot& slot) const {
+  prepare(slot);
+  FrameLook& look = slot.look;
+  // Isolated: whoever waits for a part of this does nothing else meanwhile, which would take as long as it takes.
+  tbb::this_task_arena::isolate(
+      [&] { slot.perceiver.perceive(slot.frame.color, look.has_depth ? &look.depth : nullptr, look.seen); });
+  const Perceiver::Times& times = slot.perceiver.times();
   look.times.insert(look.times.end(), {{"saliency", times.saliency_ms},
                                        {"salient blobs", times.blobs_ms},
                                        {"colour segments", times.color_ms},
@@ -44,23 +70,17 @@ void FrameLooks::perceive(const RgbdFrame& frame, FrameLook& look) {
   look.times.insert(look.times.end(), clock.stages().begin(), clock.stages().end());
 }
 
-void FrameLooks::beginAhead(const RgbdFrame& next) {
-  ahead_ = next;
-  depth_ahead_.emplace();
-  task_.run([this] {
-    prepareDepthAhead();
-    perceive(ahead_, looks_[1 - current_]);
-  });
-}
-
-void FrameLooks::prepareDepthAhead() {
-  // Preparing starts no tasks: a thread that waited for some could run one that asks for these same maps.
-  std::call_once(*depth_ahead_, [this] { prepareDepth(ahead_, looks_[1 - current_]); });
+void FrameLooks::waitUntilPerceived() {
+  Slot& slot = slots_[current_];
+  begin(slot);
+  slot.errand.finish();
+  slot.frame = {};
 }
 
 const FrameLook& FrameLooks::depthAhead() {
-  prepareDepthAhead();
-  return looks_[1 - current_];
+  Slot& slot = slots_[1 - current_];
+  prepare(slot);
+  return slot.look;
 }
 
 }  // namespace saccade

@@ -4,8 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include <tbb/task_group.h>
-
+#include "pipeline/errand.hpp"
 #include "saccade/core/depth_maps.hpp"
 #include "saccade/core/frame.hpp"
 #include "saccade/discovery/perceiver.hpp"
@@ -27,47 +26,59 @@ struct FrameLook {
   std::vector<StageTime> times;
 };
 
-/// The part of figure 1 that needs nothing but the frame: depth maps, saliency, segments, proposals. It can be begun
-/// for the frame that comes next while the map still works on the one before.
+/// The part of figure 1 that needs nothing but the frame: depth maps, saliency, segments, proposals. It runs beside the
+/// map branch, of the same frame or of the one before, and is waited for only where both branches meet.
 ///
-/// Holds two looks, the one in use and the one ahead. Serves one thread; the look ahead is a task of TBB.
+/// Holds two looks, of the frame in work and of the one announced to come next. Serves one thread; what it begins are
+/// errands for idle threads of TBB.
 class FrameLooks {
  public:
   FrameLooks(const ExplorerConfig& config, const PinholeCamera& camera)
-      : camera_(camera),
-        preparation_(config.depth),
-        perceiver_(config.discovery.perception),
-        proposal_(config.discovery.proposal) {}
-  ~FrameLooks() { task_.wait(); }
+      : camera_(camera), proposal_(config.discovery.proposal), slots_{Slot(config), Slot(config)} {}
   FrameLooks(const FrameLooks&) = delete;
   FrameLooks& operator=(const FrameLooks&) = delete;
 
-  /// The look at `frame`, whole, if it was begun ahead; else null. The one before it is over.
-  FrameLook* takeAhead(const RgbdFrame& frame);
-  /// A look with what tracking needs only, depth maps and grey values; perceive() adds the rest. The one before it is
-  /// over.
-  FrameLook& prepare(const RgbdFrame& frame);
-  void perceive(const RgbdFrame& frame, FrameLook& look);
-  /// Begins the look at the frame that comes next, whose images must not change until it is taken. Neither prepare()
-  /// nor perceive() may run until then.
-  void beginAhead(const RgbdFrame& next);
-  /// The look ahead, with what tracking needs at least: the rest may be in work. Only between beginAhead() and
-  /// takeAhead().
+  /// Names the frame that comes next, whose images must not change until it is taken and perceived.
+  void announce(const RgbdFrame& next);
+  /// Whether `frame` is the one announced.
+  [[nodiscard]] bool isAnnounced(const RgbdFrame& frame) const;
+  /// The look at `frame`, with what tracking needs: depth maps and grey values. The one before it is over.
+  FrameLook& take(const RgbdFrame& frame);
+
+  /// Begins to add the rest to the look taken, if that was not done ahead.
+  void perceive() { begin(slots_[current_]); }
+  /// The same for the frame announced, if there is one.
+  void perceiveAhead() { begin(slots_[1 - current_]); }
+  [[nodiscard]] bool isPerceived() const { return slots_[current_].is_begun && slots_[current_].errand.isDone(); }
+  /// Waits for the rest of the look taken. Its images are free then.
+  void waitUntilPerceived();
+
+  /// The look at the frame announced, with what tracking needs at least. May be called by a task, until that frame is
+  /// taken.
   [[nodiscard]] const FrameLook& depthAhead();
 
  private:
-  void prepareDepth(const RgbdFrame& frame, FrameLook& look);
-  void prepareDepthAhead();
+  struct Slot {
+    explicit Slot(const ExplorerConfig& config) : preparation(config.depth), perceiver(config.discovery.perception) {}
+
+    RgbdFrame frame;  ///< shares its images; without any: none
+    FrameLook look;
+    DepthPreparation preparation;
+    Perceiver perceiver;
+    std::optional<std::once_flag> prepared;  ///< who needs the depth maps first makes them
+    bool is_begun = false;
+    Errand errand;  ///< last: it ends before what it works on
+  };
+
+  static void assign(Slot& slot, const RgbdFrame& frame);
+  void prepare(Slot& slot) const;
+  void begin(Slot& slot);
+  void perceive(Slot& slot) const;
 
   PinholeCamera camera_;
-  DepthPreparation preparation_;
-  Perceiver perceiver_;
   ProposalConfig proposal_;
-  FrameLook looks_[2];
+  Slot slots_[2];
   int current_ = 0;
-  RgbdFrame ahead_;                            // shares its images; without any: nothing is ahead
-  std::optional<std::once_flag> depth_ahead_;  // who needs the depth maps ahead first makes them
-  tbb::task_group task_;
 };
 
 }  // namespace saccade

@@ -49,7 +49,8 @@ struct PerceptionConfig {
 /// Runs the attention branch on a frame: saliency, salient blobs, colour and surface segments, and their tables.
 ///
 /// Owns the stage objects with their scratch memory; the result is the caller's and shares nothing with them, so the
-/// next frame may be perceived while the last result is still in use. One object serves one thread. Needs nothing but
+/// next frame may be perceived while the last result is still in use. One object serves one thread at a time, and takes
+/// idle threads of TBB to help. Needs nothing but
 /// the frame and its depth maps: no pose, no map, no memory of earlier frames.
 class Perceiver {
  public:
@@ -67,6 +68,8 @@ class Perceiver {
   [[nodiscard]] const Times& times() const { return times_; }
 
  private:
+  void growBlobs(Perception& seen);
+
   PerceptionConfig config_;
   SaliencyModel saliency_;
   BlobGrower blobs_;
