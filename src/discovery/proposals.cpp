@@ -4,8 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
-#include <unordered_set>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "saccade/discovery/box_agreement.hpp"
 #include "saccade/discovery/region_merging.hpp"
@@ -29,38 +30,73 @@ std::uint64_t hashOf(std::span<const std::int32_t> segments) {
   return hash;
 }
 
-// Boxes and areas met so far, told apart in steps of 1/32 to 1/16 of the box's sides and of 15 % of the area: the
-// boxes of two candidates in one cell overlap by more than 0.75, mostly by more than 0.9. Counts the unions of each.
-class BoxesMet {
+// Counts keys that are hashes already. One array, forgotten at once: most keys are asked for once.
+class KeyCounts {
  public:
-  static std::uint64_t cellOf(const cv::Rect& box, int area) {
-    const int step_u = stepOf(box.width), step_v = stepOf(box.height);
-    std::uint64_t hash = 0xCBF29CE484222325ULL;
-    for (const int value : {step_u, step_v, box.x / step_u, box.y / step_v, (box.x + box.width) / step_u,
-                            (box.y + box.height) / step_v, static_cast<int>(std::log(area) / kAreaStep)}) {
-      hash = (hash ^ static_cast<std::uint64_t>(value + 1)) * 0x9E3779B97F4A7C15ULL;
-      hash ^= hash >> 29;
-    }
-    return hash;
+  void clear() {
+    slots_.assign(std::max(kFirstSlots, slots_.size()), Slot{});
+    used_ = 0;
   }
-  // Counts one more union; true for the cell's first.
-  bool insert(std::uint64_t cell) { return ++unions_[cell] == 1; }
-  [[nodiscard]] int unions(std::uint64_t cell) const { return unions_.at(cell); }
+  // Counts one more of `key`; returns how many there are.
+  int add(std::uint64_t key) {
+    if (2 * (used_ + 1) > slots_.size()) grow();
+    Slot& slot = slots_[placeOf(key)];
+    used_ += slot.count == 0 ? 1 : 0;
+    slot.key = key;
+    return ++slot.count;
+  }
+  [[nodiscard]] int of(std::uint64_t key) const { return slots_[placeOf(key)].count; }
 
  private:
-  static constexpr double kAreaStep = 0.14;  // ln 1.15
-  static int stepOf(int side) {
-    return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(1, side / 16))));
+  struct Slot {
+    std::uint64_t key = 0;
+    int count = 0;  // 0: the slot is free
+  };
+  static constexpr std::size_t kFirstSlots = 4096;
+
+  // Where the key is, or would be.
+  [[nodiscard]] std::size_t placeOf(std::uint64_t key) const {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t i = static_cast<std::size_t>(key >> 20) & mask;
+    while (slots_[i].count != 0 && slots_[i].key != key) i = (i + 1) & mask;
+    return i;
+  }
+  void grow() {
+    std::vector<Slot> before(2 * slots_.size());
+    before.swap(slots_);
+    for (const Slot& slot : before) {
+      if (slot.count != 0) slots_[placeOf(slot.key)] = slot;
+    }
   }
 
-  std::unordered_map<std::uint64_t, int> unions_;
+  std::vector<Slot> slots_;
+  std::size_t used_ = 0;
 };
 
-// Gathers the candidates of one source and drops those met before.
-class Pool {
+// Boxes and areas are told apart in steps of 1/32 to 1/16 of the box's sides and of 15 % of the area: the boxes of two
+// candidates in one cell overlap by more than 0.75, mostly by more than 0.9.
+std::uint64_t cellOf(const cv::Rect& box, int area) {
+  constexpr double kAreaStep = 0.14;  // ln 1.15
+  const auto stepOf = [](int side) {
+    return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(1, side / 16))));
+  };
+  const int step_u = stepOf(box.width), step_v = stepOf(box.height);
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  for (const int value : {step_u, step_v, box.x / step_u, box.y / step_v, (box.x + box.width) / step_u,
+                          (box.y + box.height) / step_v, static_cast<int>(std::log(area) / kAreaStep)}) {
+    hash = (hash ^ static_cast<std::uint64_t>(value + 1)) * 0x9E3779B97F4A7C15ULL;
+    hash ^= hash >> 29;
+  }
+  return hash;
+}
+
+}  // namespace
+
+/// Gathers the candidates of one source and drops those met before.
+class Proposer::Pool {
  public:
-  Pool(const Perception& seen, CandidateSource source, const ProposalConfig& config, BoxesMet& boxes)
-      : table_(seen.table(source)), source_(source), config_(config), boxes_(boxes) {
+  Pool(const Perception& seen, CandidateSource source, const ProposalConfig& config, KeyCounts& boxes, KeyCounts& known)
+      : table_(seen.table(source)), source_(source), config_(config), boxes_(boxes), known_(known) {
     const cv::Size size = seen.imageSize();
     max_area_ = config.paper ? size.area() : static_cast<int>(config.max_area_share * size.area());
     min_area_ = config.paper ? 1 : config.min_area;
@@ -76,8 +112,8 @@ class Pool {
 
   void add(std::span<const std::int32_t> segments, const SegmentSums& sums) {
     if (segments.empty() || sums.area < min_area_ || sums.area > max_area_) return;
-    const std::uint64_t cell = BoxesMet::cellOf(sums.box(), sums.area);
-    if (!config_.paper && (!isNew(segments) || (!boxes_.insert(cell) && config_.distinct_boxes))) return;
+    const std::uint64_t cell = cellOf(sums.box(), sums.area);
+    if (!config_.paper && (!isNew(segments) || (boxes_.add(cell) > 1 && config_.distinct_boxes))) return;
     Candidate candidate;
     candidate.source = source_;
     candidate.segments.assign(segments.begin(), segments.end());
@@ -91,24 +127,27 @@ class Pool {
   // Call when both sources are done: what is proposed later counts too.
   [[nodiscard]] Candidates take() {
     for (std::size_t i = 0; config_.distinct_boxes && !config_.paper && i < pool_.size(); ++i) {
-      pool_[i].unions = boxes_.unions(cells_[i]);
+      pool_[i].unions = boxes_.of(cells_[i]);
     }
     return std::move(pool_);
   }
 
  private:
   // Whether these segments have not been proposed yet; two unions are taken for one if 64 bits of hash are equal.
-  [[nodiscard]] bool isNew(std::span<const std::int32_t> segments) { return known_.insert(hashOf(segments)).second; }
+  [[nodiscard]] bool isNew(std::span<const std::int32_t> segments) { return known_.add(hashOf(segments)) == 1; }
 
   const SegmentTable& table_;
   CandidateSource source_;
   const ProposalConfig& config_;
-  BoxesMet& boxes_;
+  KeyCounts &boxes_, &known_;
   int min_area_ = 1, max_area_ = 0;
   Candidates pool_;
   std::vector<std::uint64_t> cells_;  ///< of the candidates
-  std::unordered_set<std::uint64_t> known_;
 };
+
+namespace {
+
+using Pool = Proposer::Pool;
 
 // The paper's rule: a blob selects the segments of which it covers at least the share `overlap`.
 void addBlobUnions(const Perception& seen, CandidateSource source, double overlap, Pool& pool) {
@@ -274,29 +313,45 @@ void addSegments(const SegmentTable& table, Pool& pool) {
 
 }  // namespace
 
-Candidates proposeCandidates(const Perception& seen, const ProposalConfig& config) {
-  BoxesMet boxes;
-  Pool color(seen, CandidateSource::kColor, config, boxes), depth(seen, CandidateSource::kDepth, config, boxes);
-  addBlobUnions(seen, CandidateSource::kColor, config.overlap, color);
-  if (seen.has_depth) addBlobUnions(seen, CandidateSource::kDepth, config.overlap, depth);
-  if (!config.paper) {
-    RegionMerging merging;
-    if (config.single_segments) addSegments(seen.color_segments, color);
-    if (config.adjacent_pairs) addPairs(seen.color_segments, color);
-    if (config.merging) addColorUnions(seen, merging, color);
-    if (config.single_segments) addSegments(seen.surface_segments, depth);
-    if (config.adjacent_pairs) addPairs(seen.surface_segments, depth);
-    addSurfaceUnions(seen, config, merging, depth);
-    if (config.cross_selection) addCrossSelections(seen, depth.candidates(), config.cross_share, color);
+/// What is recycled from frame to frame.
+struct Proposer::Scratch {
+  RegionMerging merging;
+  KeyCounts boxes, known_colors, known_depths;
+};
+
+Proposer::Proposer(ProposalConfig config) : config_(config), scratch_(std::make_unique<Scratch>()) {}
+Proposer::~Proposer() = default;
+Proposer::Proposer(Proposer&&) noexcept = default;
+Proposer& Proposer::operator=(Proposer&&) noexcept = default;
+
+Candidates Proposer::propose(const Perception& seen) {
+  auto& [merging, boxes, known_colors, known_depths] = *scratch_;
+  for (KeyCounts* counts : {&boxes, &known_colors, &known_depths}) counts->clear();
+  Pool color(seen, CandidateSource::kColor, config_, boxes, known_colors);
+  Pool depth(seen, CandidateSource::kDepth, config_, boxes, known_depths);
+  addBlobUnions(seen, CandidateSource::kColor, config_.overlap, color);
+  if (seen.has_depth) addBlobUnions(seen, CandidateSource::kDepth, config_.overlap, depth);
+  if (!config_.paper) {
+    if (config_.single_segments) addSegments(seen.color_segments, color);
+    if (config_.adjacent_pairs) addPairs(seen.color_segments, color);
+    if (config_.merging) addColorUnions(seen, merging, color);
+    if (config_.single_segments) addSegments(seen.surface_segments, depth);
+    if (config_.adjacent_pairs) addPairs(seen.surface_segments, depth);
+    addSurfaceUnions(seen, config_, merging, depth);
+    if (config_.cross_selection) addCrossSelections(seen, depth.candidates(), config_.cross_share, color);
   }
   Candidates pool = color.take();
   Candidates from_depth = depth.take();
   pool.insert(pool.end(), std::make_move_iterator(from_depth.begin()), std::make_move_iterator(from_depth.end()));
-  if (!config.paper) {
+  if (!config_.paper) {
     const std::vector<int> agreeing = countAgreeing(pool);
     for (std::size_t i = 0; i < pool.size(); ++i) pool[i].unions = agreeing[i];
   }
   return pool;
+}
+
+Candidates proposeCandidates(const Perception& seen, const ProposalConfig& config) {
+  return Proposer(config).propose(seen);
 }
 
 }  // namespace saccade

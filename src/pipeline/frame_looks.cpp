@@ -66,7 +66,7 @@ void FrameLooks::perceive(Slot& slot) const {
                                        {"surface segments", times.surface_ms},
                                        {"segment tables", times.tables_ms}});
   StageClock clock;
-  look.pool = clock.time("propose", [&] { return proposeCandidates(look.seen, proposal_); });
+  look.pool = clock.time("propose", [&] { return slot.proposer.propose(look.seen); });
   look.times.insert(look.times.end(), clock.stages().begin(), clock.stages().end());
 }
 

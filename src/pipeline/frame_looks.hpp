@@ -34,7 +34,7 @@ struct FrameLook {
 class FrameLooks {
  public:
   FrameLooks(const ExplorerConfig& config, const PinholeCamera& camera)
-      : camera_(camera), proposal_(config.discovery.proposal), slots_{Slot(config), Slot(config)} {}
+      : camera_(camera), slots_{Slot(config), Slot(config)} {}
   FrameLooks(const FrameLooks&) = delete;
   FrameLooks& operator=(const FrameLooks&) = delete;
 
@@ -65,6 +65,7 @@ class FrameLooks {
     FrameLook look;
     DepthPreparation preparation;
     Perceiver perceiver;
+    Proposer proposer;
     std::optional<std::once_flag> prepared;  ///< who needs the depth maps first makes them
     bool is_begun = false;
     Errand errand;  ///< last: it ends before what it works on
@@ -76,7 +77,6 @@ class FrameLooks {
   void perceive(Slot& slot) const;
 
   PinholeCamera camera_;
-  ProposalConfig proposal_;
   Slot slots_[2];
   int current_ = 0;
 };

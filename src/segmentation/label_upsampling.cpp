@@ -6,6 +6,7 @@
 
 #include <opencv2/core/hal/hal.hpp>
 
+#include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
 
 namespace saccade {
@@ -51,20 +52,20 @@ SACCADE_MULTIVERSION void chooseLabels(const Colors& pixels, const std::array<La
       differ |= (label_0[i] ^ label_1[i]) | (label_0[i] ^ label_2[i]) | (label_0[i] ^ label_3[i]);
     }
     if (differ == 0) continue;
-    std::uint16_t least[kBlock], own[kBlock];
-    std::fill_n(least, kBlock, std::uint16_t{0xFFFF});
+    std::int32_t least_difference[kBlock];
+    std::fill_n(least_difference, kBlock, 3 * 255 + 1);
     for (const Labelled& labelled : choice) {
       const Colors& colors = labelled.color;
+      std::int32_t difference[kBlock];
       for (int i = 0; i < kBlock; ++i) {
-        own[i] = static_cast<std::uint16_t>(std::abs(pixels.b[x + i] - colors.b[x + i]) +
-                                            std::abs(pixels.g[x + i] - colors.g[x + i]) +
-                                            std::abs(pixels.r[x + i] - colors.r[x + i]));
+        difference[i] = std::abs(pixels.b[x + i] - colors.b[x + i]) + std::abs(pixels.g[x + i] - colors.g[x + i]) +
+                        std::abs(pixels.r[x + i] - colors.r[x + i]);
       }
-      for (int i = 0; i < kBlock; ++i) {
-        out[x + i] = own[i] < least[i] ? labelled.label[x + i] : out[x + i];
-      }
-      for (int i = 0; i < kBlock; ++i) {
-        least[i] = std::min(least[i], own[i]);
+      for (int i = 0; i < kBlock; i += kLanes) {
+        const IntLanes own = loadLanes(difference + i), least = loadLanes(least_difference + i);
+        const IntLanes is_less = own < least;
+        storeLanes(is_less ? loadLanes(labelled.label + x + i) : loadLanes(out + x + i), out + x + i);
+        storeLanes(is_less ? own : least, least_difference + i);
       }
     }
   }

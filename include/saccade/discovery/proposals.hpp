@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "saccade/core/config_fields.hpp"
 #include "saccade/discovery/candidate.hpp"
 #include "saccade/discovery/perception.hpp"
@@ -35,12 +37,33 @@ struct ProposalConfig {
   }
 };
 
-/// Returns the pool of object candidates of both segmentations (paper, "Saliency-based object discovery"), colour
-/// before depth, each with segments, box and area; features and score are not set. No two have the same segments, nor,
-/// with `distinct_boxes`, nearly the same box and area: whatever the source, they would be measured, ranked and left
-/// out as duplicates. In paper mode each blob that selects anything adds its own.
-///
-/// Deterministic: the order follows that of blobs and segments. About 5 ms for 640×480.
+/// Makes the pool of object candidates of one frame after the other; its buffers are recycled. One object serves one
+/// thread at a time.
+class Proposer {
+ public:
+  explicit Proposer(ProposalConfig config = {});
+  ~Proposer();
+  Proposer(Proposer&&) noexcept;
+  Proposer& operator=(Proposer&&) noexcept;
+
+  /// Returns the pool of object candidates of both segmentations (paper, "Saliency-based object discovery"), colour
+  /// before depth, each with segments, box and area; features and score are not set. No two have the same segments,
+  /// nor, with `distinct_boxes`, nearly the same box and area: whatever the source, they would be measured, ranked and
+  /// left out as duplicates. In paper mode each blob that selects anything adds its own.
+  ///
+  /// Deterministic: the order follows that of blobs and segments. About 5 ms for 640×480.
+  [[nodiscard]] Candidates propose(const Perception& seen);
+
+  class Pool;
+
+ private:
+  struct Scratch;
+
+  ProposalConfig config_;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+/// The same for a single frame.
 [[nodiscard]] Candidates proposeCandidates(const Perception& seen, const ProposalConfig& config = {});
 
 }  // namespace saccade
