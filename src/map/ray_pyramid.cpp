@@ -17,20 +17,32 @@ constexpr int kLargestMargin = 32;
 /// Smallest depth of the points (x, y, z), of which there are `count`.
 SACCADE_MULTIVERSION float nearestDepth(const float* x, const float* y, const float* z, std::size_t count,
                                         const EndProjection& p) {
-  float nearest = 3.0e38f;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float depth =
-        p.R_CW[6] * (x[i] - p.camera[0]) + p.R_CW[7] * (y[i] - p.camera[1]) + p.R_CW[8] * (z[i] - p.camera[2]);
-    nearest = depth < nearest ? depth : nearest;
+  // Of the last points, fewer than lanes, some are looked at twice.
+  FloatLanes nearest = allLanes(3.0e38f);
+  const std::size_t last = count < kLanes ? 0 : count - kLanes;
+  for (std::size_t i = 0; count >= kLanes && i < count; i += kLanes) {
+    const std::size_t k = std::min(i, last);
+    nearest =
+        least(nearest, p.R_CW[6] * (loadLanes(x + k) - p.camera[0]) + p.R_CW[7] * (loadLanes(y + k) - p.camera[1]) +
+                           p.R_CW[8] * (loadLanes(z + k) - p.camera[2]));
   }
-  return nearest;
+  float each[kLanes];
+  storeLanes(nearest, each);
+  float result = *std::min_element(each, each + kLanes);
+  for (std::size_t i = 0; count < kLanes && i < count; ++i) {
+    result = std::min(
+        result, p.R_CW[6] * (x[i] - p.camera[0]) + p.R_CW[7] * (y[i] - p.camera[1]) + p.R_CW[8] * (z[i] - p.camera[2]));
+  }
+  return result;
 }
 
 /// Inverse components of the vectors from the camera to the points, their depths and cells.
 SACCADE_MULTIVERSION void projectEnds(const float* x, const float* y, const float* z, std::size_t count,
-                                      const EndProjection& p, float* inverse_x, float* inverse_y, float* inverse_z,
-                                      float* depth, std::int32_t* cell, std::int32_t* place) {
-  constexpr float kSmallest = 1e-6f;  // keeps rays along a plane of leaf walls free of 0 * infinity
+                                      const EndProjection& projection, float* __restrict inverse_x,
+                                      float* __restrict inverse_y, float* __restrict inverse_z, float* __restrict depth,
+                                      std::int32_t* __restrict cell, std::int32_t* __restrict place) {
+  const EndProjection p = projection;  // a copy, which what is written cannot change
+  constexpr float kSmallest = 1e-6f;   // keeps rays along a plane of leaf walls free of 0 * infinity
   const auto inverse = [](float component) {
     const float magnitude = std::fabs(component) < kSmallest ? kSmallest : std::fabs(component);
     return 1.0f / std::copysign(magnitude, component);
