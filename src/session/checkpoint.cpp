@@ -44,7 +44,12 @@ CheckpointThread::~CheckpointThread() {
 bool CheckpointThread::idle() {
   const std::lock_guard lock(mutex_);
   if (failure_) std::rethrow_exception(failure_);
-  return in_work_ == nullptr;
+  return is_ready_ && in_work_ == nullptr;
+}
+
+void CheckpointThread::lendRoom(MapSnapshot& map) {
+  const std::lock_guard lock(mutex_);
+  map.takeRoomOf(spare_->map);
 }
 
 void CheckpointThread::waitUntilIdle() {
@@ -87,8 +92,9 @@ void CheckpointThread::finish(const Checkpoint& checkpoint) {
 
 void CheckpointThread::work() {
   stepBack();
+  spare_->map.makeRoom();
   std::unique_lock lock(mutex_);
-  if (spare_) spare_->map.makeRoom();
+  is_ready_ = true;
   for (;;) {
     changed_.wait(lock, [&] { return ending_ || in_work_ != nullptr; });
     if (in_work_ == nullptr) return;

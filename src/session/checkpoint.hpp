@@ -37,8 +37,10 @@ class CheckpointThread {
   CheckpointThread(const CheckpointThread&) = delete;
   CheckpointThread& operator=(const CheckpointThread&) = delete;
 
-  /// Whether the last checkpoint is durable. Throws what writing it threw.
+  /// Whether the last checkpoint is durable and the next one can be written. Throws what writing it threw.
   [[nodiscard]] bool idle();
+  /// Lets `map` go on in memory that this thread has touched, which takes long. Only when idle().
+  void lendRoom(MapSnapshot& map);
   void waitUntilIdle();
   /// As SessionWriter::limitSize(), and full() as of the last checkpoint that is durable.
   void limitSize(std::uint64_t bytes);
@@ -56,7 +58,8 @@ class CheckpointThread {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::unique_ptr<Checkpoint> spare_;    // to be handed out
-  std::unique_ptr<Checkpoint> in_work_;  // null: idle
+  std::unique_ptr<Checkpoint> in_work_;  // null: none
+  bool is_ready_ = false;                // spare_ has room
   bool ending_ = false;
   bool full_ = false;
   std::exception_ptr failure_;

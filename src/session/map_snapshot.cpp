@@ -21,10 +21,18 @@ std::string_view MapSnapshot::bytesOf(const Part& part) const {
 }
 
 void MapSnapshot::makeRoom() {
-  constexpr std::size_t kLeast = std::size_t{16} << 20U;
+  constexpr std::size_t kLeast = std::size_t{32} << 20U;
   const std::size_t used = bytes_.size();
   bytes_.resize(std::max(kLeast, used + used / 2));
   bytes_.resize(used);
+}
+
+void MapSnapshot::takeRoomOf(MapSnapshot& other) {
+  other.clear();
+  if (other.bytes_.capacity() <= bytes_.capacity()) return;
+  other.bytes_.insert(other.bytes_.end(), bytes_.begin(), bytes_.end());
+  bytes_.swap(other.bytes_);
+  other.clear();
 }
 
 void MapSnapshot::add(BlobTable table, std::uint64_t key, std::uint64_t items, const void* data, std::size_t size) {

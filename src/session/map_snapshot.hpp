@@ -30,6 +30,8 @@ class MapSnapshot {
   [[nodiscard]] const std::vector<std::uint64_t>& removedTiles() const { return removed_tiles_; }
   /// Touches memory for as much again as was used and some more, so that the next filling need not. Keeps the parts.
   void makeRoom();
+  /// Goes on in the room of `other`, which is emptied, if that has more.
+  void takeRoomOf(MapSnapshot& other);
 
  private:
   friend class MapChanges;

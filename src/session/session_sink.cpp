@@ -80,7 +80,6 @@ SessionSink::SessionSink(std::unique_ptr<SessionWriter> writer, Explorer& explor
   metadata_.camera = explorer.camera();
   metadata_.leaf_size_m = config.map.leaf_size_m;
   writer->addRun(run);
-  checkpoint_->map.makeRoom();
   thread_ = std::make_unique<CheckpointThread>(std::move(writer));
 }
 
@@ -146,6 +145,7 @@ PagingReport SessionSink::paging() const {
 
 /// Copies what changed in the explorer since the last checkpoint and is not copied yet.
 void SessionSink::fill() {
+  if (thread_->idle()) thread_->lendRoom(checkpoint_->map);
   changes_->take(explorer_, checkpoint_->map, pager_.get());
   checkpoint_->state[kMotionState] = encodeMotion(explorer_.motion());
   const PhotometricReference& reference = explorer_.photometricReference();
