@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <map>
@@ -28,7 +29,11 @@ struct Checkpoint {
   void clear();
 };
 
-/// Writes checkpoints on a thread of its own, one at a time, at low priority: a frame is more urgent.
+/// Writes checkpoints beside the exploration, one at a time, step by step.
+///
+/// A thread that gets nothing but the time that nobody else wants does it all where there is enough of that: threads
+/// that work on frames are never moved aside for it. What takes longer than a while, or is waited for, a second thread
+/// of ordinary standing goes on with.
 class CheckpointThread {
  public:
   explicit CheckpointThread(std::unique_ptr<SessionWriter> writer);
@@ -39,31 +44,39 @@ class CheckpointThread {
 
   /// Whether the last checkpoint is durable and the next one can be written. Throws what writing it threw.
   [[nodiscard]] bool idle();
-  /// Lets `map` go on in memory that this thread has touched, which takes long. Only when idle().
-  void lendRoom(MapSnapshot& map);
   void waitUntilIdle();
+  /// Lets `map` go on in memory that was touched here, which takes long. Only when idle().
+  void lendRoom(MapSnapshot& map);
   /// As SessionWriter::limitSize(), and full() as of the last checkpoint that is durable.
   void limitSize(std::uint64_t bytes);
   [[nodiscard]] bool full();
   /// Takes what `checkpoint` holds and leaves an empty one to be filled. Only when idle().
   void write(std::unique_ptr<Checkpoint>& checkpoint);
   /// Waits, then writes the last checkpoint and ends the session. Throws what either threw.
-  void finish(const Checkpoint& checkpoint);
+  void finish(std::unique_ptr<Checkpoint> checkpoint);
 
  private:
-  void work();
-  void put(const Checkpoint& checkpoint);
+  using Clock = std::chrono::steady_clock;
+  class Job;
+  enum class Standing { kIdle, kOrdinary };
+
+  void work(Standing standing);
+  void waitForWork(std::unique_lock<std::mutex>& lock, Standing standing);
+  void doStep();
+  void end();
 
   std::unique_ptr<SessionWriter> writer_;
-  std::mutex mutex_;
+  std::mutex step_mutex_;  // held for a step of the job; before mutex_
+  std::mutex mutex_;       // of all below
   std::condition_variable changed_;
-  std::unique_ptr<Checkpoint> spare_;    // to be handed out
-  std::unique_ptr<Checkpoint> in_work_;  // null: none
-  bool is_ready_ = false;                // spare_ has room
+  std::unique_ptr<Checkpoint> spare_;  // to be handed out; null while a job is in work
+  std::unique_ptr<Job> job_;           // null: idle
+  Clock::time_point begun_;
+  bool is_urgent_ = false;
   bool ending_ = false;
   bool full_ = false;
   std::exception_ptr failure_;
-  std::thread thread_;
+  std::thread idle_thread_, ordinary_thread_;
 };
 
 }  // namespace saccade

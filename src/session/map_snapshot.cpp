@@ -20,11 +20,19 @@ std::string_view MapSnapshot::bytesOf(const Part& part) const {
   return {reinterpret_cast<const char*>(bytes_.data()) + part.begin, part.size};
 }
 
-void MapSnapshot::makeRoom() {
+void MapSnapshot::beginRoom() {
   constexpr std::size_t kLeast = std::size_t{32} << 20U;
-  const std::size_t used = bytes_.size();
-  bytes_.resize(std::max(kLeast, used + used / 2));
-  bytes_.resize(used);
+  room_ = std::max(kLeast, bytes_.size() + bytes_.size() / 2);
+  clear();
+  bytes_.reserve(room_);
+}
+
+bool MapSnapshot::touchMore() {
+  constexpr std::size_t kStep = std::size_t{1} << 20U;
+  bytes_.resize(std::min(room_, bytes_.size() + kStep));
+  if (bytes_.size() < room_) return true;
+  bytes_.clear();
+  return false;
 }
 
 void MapSnapshot::takeRoomOf(MapSnapshot& other) {

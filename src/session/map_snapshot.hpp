@@ -28,8 +28,10 @@ class MapSnapshot {
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] std::string_view bytesOf(const Part& part) const;
   [[nodiscard]] const std::vector<std::uint64_t>& removedTiles() const { return removed_tiles_; }
-  /// Touches memory for as much again as was used and some more, so that the next filling need not. Keeps the parts.
-  void makeRoom();
+  /// Forgets the parts and begins to touch memory for as much as they took and some more, so that the next filling need
+  /// not: touchMore() does a little of it, and tells whether there is more to do.
+  void beginRoom();
+  [[nodiscard]] bool touchMore();
   /// Goes on in the room of `other`, which is emptied, if that has more.
   void takeRoomOf(MapSnapshot& other);
 
@@ -39,6 +41,7 @@ class MapSnapshot {
   void add(BlobTable table, std::uint64_t key, std::uint64_t items, const void* data, std::size_t size);
 
   std::vector<std::byte> bytes_;
+  std::size_t room_ = 0;  // bytes to touch
   std::vector<Part> parts_;
   std::vector<std::uint64_t> removed_tiles_;
 };

@@ -161,7 +161,7 @@ void SessionSink::fill() {
 void SessionSink::finish() {
   fill();
   if (pager_ != nullptr) pager_->close();  // a reader that stays would keep the session in two files
-  thread_->finish(*checkpoint_);
+  thread_->finish(std::move(checkpoint_));
 }
 
 namespace {
