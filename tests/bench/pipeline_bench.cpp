@@ -81,7 +81,7 @@ void wholeFrame(benchmark::State& state) {
   state.counters["p99_ms"] = percentile(frame_ms, 0.99);
   state.counters["peak_MiB"] = peakMemoryMiB();
 }
-BENCHMARK(wholeFrame)->Arg(200)->ArgName("frames")->UseManualTime()->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(wholeFrame)->Arg(500)->ArgName("frames")->UseManualTime()->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace saccade::bench
