@@ -10,9 +10,6 @@
 namespace saccade {
 namespace {
 
-/// So long a checkpoint may take that gets only what time is left.
-constexpr std::chrono::seconds kPatience{2};
-
 /// The calling thread takes only what time is left. Not for good: whoever is no administrator cannot go back.
 void becomeIdle() {
 #if defined(__linux__)
@@ -28,6 +25,9 @@ void stepBack() {
   setpriority(PRIO_PROCESS, 0, kNiceness);  // of the calling thread alone, on Linux
 #endif
 }
+
+/// Steps take some milliseconds where there is a processor for them.
+constexpr std::chrono::milliseconds kLongStep{500};
 
 }  // namespace
 
@@ -146,6 +146,7 @@ void CheckpointThread::lendRoom(MapSnapshot& map) {
 void CheckpointThread::limitSize(std::uint64_t bytes) {
   waitUntilIdle();
   writer_->limitSize(bytes);
+  loseHope();  // what comes next is known by what came last: checkpoints must not grow meanwhile
 }
 
 bool CheckpointThread::full() {
@@ -179,12 +180,13 @@ void CheckpointThread::finish(std::unique_ptr<Checkpoint> checkpoint) {
 /// Waits for a job that is for a thread of this standing, or for the end.
 void CheckpointThread::waitForWork(std::unique_lock<std::mutex>& lock, Standing standing) {
   while (!ending_ || job_ != nullptr) {
-    if (job_ == nullptr) {
-      changed_.wait(lock);
-    } else if (standing == Standing::kIdle || is_urgent_ || Clock::now() - begun_ >= kPatience) {
-      return;
+    const bool has_patience = patience_ > Clock::duration::zero();
+    const bool is_mine = standing == Standing::kIdle ? has_patience : is_urgent_ || Clock::now() - begun_ >= patience_;
+    if (job_ != nullptr && is_mine) return;
+    if (job_ != nullptr && standing == Standing::kOrdinary) {
+      changed_.wait_until(lock, begun_ + patience_);
     } else {
-      changed_.wait_until(lock, begun_ + kPatience);
+      changed_.wait(lock);
     }
   }
 }
@@ -197,9 +199,17 @@ void CheckpointThread::work(Standing standing) {
       waitForWork(lock, standing);
       if (job_ == nullptr) return;
     }
+    const Clock::time_point asked = Clock::now();
     const std::lock_guard step(step_mutex_);
+    if (standing == Standing::kOrdinary && Clock::now() - asked > kLongStep) loseHope();
     doStep();
   }
+}
+
+/// A step of the other thread that lasts so long shows a machine that leaves it no time: it is not asked again.
+void CheckpointThread::loseHope() {
+  const std::lock_guard lock(mutex_);
+  patience_ = {};
 }
 
 /// One step of the job, unless the other thread has ended it meanwhile.

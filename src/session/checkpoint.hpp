@@ -63,6 +63,7 @@ class CheckpointThread {
   void work(Standing standing);
   void waitForWork(std::unique_lock<std::mutex>& lock, Standing standing);
   void doStep();
+  void loseHope();
   void end();
 
   std::unique_ptr<SessionWriter> writer_;
@@ -72,6 +73,8 @@ class CheckpointThread {
   std::unique_ptr<Checkpoint> spare_;  // to be handed out; null while a job is in work
   std::unique_ptr<Job> job_;           // null: idle
   Clock::time_point begun_;
+  // So long a job may take that gets only what time is left; zero: none is, or none is to be waited for.
+  Clock::duration patience_ = std::chrono::seconds(1);
   bool is_urgent_ = false;
   bool ending_ = false;
   bool full_ = false;
