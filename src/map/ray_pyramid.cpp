@@ -98,30 +98,43 @@ SACCADE_INLINE void crossLeaves(const Inverses& rays, std::uint32_t k, const flo
              ((most(in_01, in_z1) < least(out_01, out_z1)) & 64) | ((most(in_11, in_z1) < least(out_11, out_z1)) & 128);
 }
 
+/// Whether some of eight rays from `k` on cross the family as a whole.
+SACCADE_INLINE bool enter(const Inverses& rays, std::uint32_t k, const float* low) {
+  const FloatLanes start = {}, end_of_ray = allLanes(1.0f);
+  const FloatLanes step_x = loadLanes(rays.x + k), step_y = loadLanes(rays.y + k), step_z = loadLanes(rays.z + k);
+  const FloatLanes x0 = low[0] * step_x, x2 = x0 + step_x + step_x;
+  const FloatLanes y0 = low[1] * step_y, y2 = y0 + step_y + step_y;
+  const FloatLanes z0 = low[2] * step_z, z2 = z0 + step_z + step_z;
+  return any(most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2))) <
+             least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2))));
+}
+
 /// Bits of the `wanted` leaves of a family that one of the rays of some runs crosses. Run y holds the rays from
 /// `first[y * stride]` up to `last[y * stride]`, rounded up to whole batches.
 SACCADE_MULTIVERSION unsigned crossedBy(const Inverses& rays, const std::uint32_t* first, const std::uint32_t* last,
                                         std::size_t runs, std::size_t stride, const float* low, unsigned wanted) {
   // First which batches enter the family at all: half of the families that are asked for are entered by none, and of
-  // those before a surface the first batches cross all leaves.
-  constexpr std::size_t kMostEntering = 64;
+  // those before a surface the first batches cross all leaves. Of many runs the one through the middle comes first:
+  // where nothing is in the way, its rays alone cross all leaves.
+  constexpr std::size_t kMostEntering = 64, kManyRuns = 3;
   std::uint32_t entering[kMostEntering];
   std::size_t count = 0;
-  const FloatLanes start = {}, end_of_ray = allLanes(1.0f);
-  const float low_x = low[0], low_y = low[1], low_z = low[2];
   IntLanes crossed = {};
+  const std::size_t middle = runs >= kManyRuns ? runs / 2 : runs;
+  if (middle < runs) {
+    for (std::uint32_t k = first[middle * stride]; k < last[middle * stride]; k += kBatch) {
+      crossLeaves(rays, k, low, crossed);
+    }
+    if ((orOf(crossed) & wanted) == wanted) return wanted;
+  }
   for (std::size_t run = 0; run < runs; ++run) {
+    if (run == middle) continue;
     for (std::uint32_t k = first[run * stride]; k < last[run * stride]; k += kBatch) {
-      const FloatLanes step_x = loadLanes(rays.x + k), step_y = loadLanes(rays.y + k), step_z = loadLanes(rays.z + k);
-      const FloatLanes x0 = low_x * step_x, x2 = x0 + step_x + step_x;
-      const FloatLanes y0 = low_y * step_y, y2 = y0 + step_y + step_y;
-      const FloatLanes z0 = low_z * step_z, z2 = z0 + step_z + step_z;
-      const IntLanes enters = most(most(least(x0, x2), start), most(least(y0, y2), least(z0, z2))) <
-                              least(least(most(x0, x2), end_of_ray), least(most(y0, y2), most(z0, z2)));
       entering[count] = k;
-      count += static_cast<std::size_t>(any(enters));
+      count += static_cast<std::size_t>(enter(rays, k, low));
       if (count < kMostEntering) continue;
       for (const std::uint32_t batch : entering) crossLeaves(rays, batch, low, crossed);
+      if ((orOf(crossed) & wanted) == wanted) return wanted;
       count = 0;
     }
   }

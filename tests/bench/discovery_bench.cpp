@@ -17,7 +17,9 @@ namespace saccade::bench {
 namespace {
 
 /// Both tables, their overlap and the supporting planes.
+/// On one core: idle ones would help.
 void segmentTables(benchmark::State& state) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   std::vector<PerceivedFrame>& frames = perceivedFrames();
   std::size_t i = 0;
   for (auto _ : state) {
@@ -29,11 +31,11 @@ BENCHMARK(segmentTables)->Unit(benchmark::kMillisecond);
 
 void propose(benchmark::State& state) {
   const std::vector<PerceivedFrame>& frames = perceivedFrames();
-  const ProposalConfig config;
+  Proposer proposer;
   std::size_t i = 0;
   double candidates = 0.0;
   for (auto _ : state) {
-    const Candidates pool = proposeCandidates(frames[i++ % frames.size()].seen, config);
+    const Candidates pool = proposer.propose(frames[i++ % frames.size()].seen);
     candidates += static_cast<double>(pool.size());
   }
   state.counters["candidates"] = benchmark::Counter(candidates, benchmark::Counter::kAvgIterations);
@@ -104,8 +106,9 @@ void rankCandidates(benchmark::State& state) {
 }
 BENCHMARK(rankCandidates)->Unit(benchmark::kMillisecond);
 
-/// Everything the attention branch does with a frame before it proposes.
+/// Everything the attention branch does with a frame before it proposes, on one core: idle ones would help.
 void perceiveFrame(benchmark::State& state) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const std::vector<PerceivedFrame>& frames = perceivedFrames();
   Perceiver perceiver;
   Perception seen;
