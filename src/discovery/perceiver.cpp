@@ -1,6 +1,7 @@
 #include "saccade/discovery/perceiver.hpp"
 
 #include <chrono>
+#include <utility>
 
 #include <tbb/parallel_invoke.h>
 
@@ -23,11 +24,11 @@ void copy(const Segmentation& from, Segmentation& to) {
 }  // namespace
 
 Perceiver::Perceiver(PerceptionConfig config)
-    : config_(config),
-      saliency_(config.saliency),
-      blobs_(config.blobs),
-      color_(config.color),
-      surface_(config.surface) {
+    : config_(std::move(config)),
+      saliency_(config_.saliency),
+      blobs_(config_.blobs),
+      color_(config_.color),
+      surface_(config_.surface) {
   requireValid(config_);
 }
 

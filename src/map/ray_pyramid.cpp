@@ -168,7 +168,8 @@ SACCADE_MULTIVERSION RayPyramid::Sights RayPyramid::sights(const Level* levels, 
     const Level& l = levels[level];
     const std::int32_t first_x = x0 >> level;
     const IntLanes in_box = lane < 2 * ((x1 >> level) - first_x + 1);
-    const float* row = &l.blocks[static_cast<std::size_t>((y0 >> level) * l.width + first_x)].minus_lowest;
+    const std::int32_t first_block = (y0 >> level) * l.width + first_x;
+    const float* row = &l.blocks[static_cast<std::size_t>(first_block)].minus_lowest;
     FloatLanes bounds = {-3.0e38f, 0, -3.0e38f, 0, -3.0e38f, 0, -3.0e38f, 0};
     const FloatLanes none = bounds;
     for (std::int32_t y = y0 >> level; y <= y1 >> level; ++y, row += 2 * l.width) {

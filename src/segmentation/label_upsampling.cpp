@@ -15,7 +15,8 @@ namespace {
 constexpr int kBlock = 32;  // columns of one block of the inner loops; rows are padded to it
 
 std::size_t padded(int width) {
-  return static_cast<std::size_t>((width + kBlock - 1) / kBlock * kBlock);
+  const int blocks = (width + kBlock - 1) / kBlock;
+  return static_cast<std::size_t>(blocks) * kBlock;
 }
 
 /// The rounded means of blocks of 2 x 2 pixels, beginning at the first of `columns` even columns.
@@ -75,7 +76,7 @@ SACCADE_MULTIVERSION void chooseLabels(const Colors& pixels, const std::array<La
 template <typename Value, typename At>
 void widen(int values, const At& at, std::vector<Value>& own, std::vector<Value>& beside) {
   for (int x = 0; x < values; ++x) {
-    const auto left = static_cast<std::size_t>(2 * x);
+    const auto left = 2 * static_cast<std::size_t>(x);
     own[left] = own[left + 1] = at(x);
     beside[left] = at(std::max(0, x - 1));
     beside[left + 1] = at(std::min(values - 1, x + 1));
