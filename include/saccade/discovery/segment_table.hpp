@@ -69,7 +69,7 @@ class SegmentTable {
   };
 
   /// Gathers the sums of `segmentation`. `saliency` and `color` have its size; `depth` may be null (colour only).
-  /// About 3 ms for 640×480. Throws std::invalid_argument if sizes differ or labels are not below the count.
+  /// About 4 ms for 640×480. Throws std::invalid_argument if sizes differ or labels are not below the count.
   void build(const Segmentation& segmentation, const cv::Mat1f& saliency, const cv::Mat3b& color,
              const DepthMaps* depth);
   /// The same for two segmentations of one image, whose pixels are read once.
