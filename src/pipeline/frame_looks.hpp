@@ -59,7 +59,8 @@ class FrameLooks {
 
  private:
   struct Slot {
-    explicit Slot(const ExplorerConfig& config) : preparation(config.depth), perceiver(config.discovery.perception) {}
+    explicit Slot(const ExplorerConfig& config)
+        : preparation(config.depth), perceiver(config.discovery.perception), proposer(config.discovery.proposal) {}
 
     RgbdFrame frame;  ///< shares its images; without any: none
     FrameLook look;

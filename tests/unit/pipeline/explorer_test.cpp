@@ -1,5 +1,6 @@
 #include "saccade/pipeline/explorer.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -98,6 +99,21 @@ TEST(Explorer, TracksAgainWhatWasTrackedAheadWhenItIsToldWhereTheCameraIs) {
     }
   }
   expectSame(plain, ahead);
+}
+
+/// In every look, that of the frame in work and that of the frame ahead.
+TEST(Explorer, ProposesWithTheSettingsItIsGiven) {
+  const auto& frames = desk().frames;
+  ExplorerConfig config;
+  config.discovery.proposal.min_area = 5000;
+  Explorer explorer(config, desk().camera), plain({}, desk().camera);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const FrameReport report = explorer.process(frames[i], &frames[i + 1]);
+    ASSERT_FALSE(report.open.empty());
+    for (const Candidate& candidate : report.open) EXPECT_GE(candidate.area, 5000);
+    const FrameReport usual = plain.process(frames[i], &frames[i + 1]);
+    EXPECT_TRUE(std::any_of(usual.open.begin(), usual.open.end(), [](const Candidate& c) { return c.area < 5000; }));
+  }
 }
 
 TEST(Explorer, RefusesAFrameOfAnotherSizeAtItsOwnTurn) {
