@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "saccade/core/errors.hpp"
+#include "saccade/evaluation/local_alignment.hpp"
 #include "saccade/evaluation/relocalisation_evaluation.hpp"
-#include "saccade/evaluation/trajectory_error.hpp"
 #include "saccade/session/session_map.hpp"
 #include "saccade/session/session_reader.hpp"
 #include "saccade/session/session_sink.hpp"
@@ -23,18 +23,18 @@ namespace {
 
 constexpr double kSameMoment_s = 0.010;
 
-/// The motion that takes true poses to the session's world, by the frames that the session is made of.
-Pose worldFromTruth(const SessionReader& session, const StampedPoses& truth) {
+/// Takes true poses to the session's world, by the frames that the session is made of.
+LocalAlignment worldFromTruth(const SessionReader& session, const StampedPoses& truth) {
   std::vector<PosePair> pairs;
   for (const FrameRecord& frame : session.frames()) {
     const std::optional<Pose> true_pose = truth.nearest(frame.stamp_s, kSameMoment_s);
-    if (frame.T_WC && true_pose) pairs.push_back({{frame.stamp_s, *true_pose}, {frame.stamp_s, *frame.T_WC}});
+    if (frame.T_WC && true_pose) pairs.push_back({{frame.stamp_s, *frame.T_WC}, {frame.stamp_s, *true_pose}});
   }
   constexpr std::size_t kFewest = 3;
   if (pairs.size() < kFewest) {
     throw IoError(session.path(), "at least 3 frames whose true pose is known (--truth)", std::to_string(pairs.size()));
   }
-  return alignToTruth(pairs);
+  return LocalAlignment(std::move(pairs));
 }
 
 void print(const RelocalisationScore& score, bool json) {
@@ -74,10 +74,10 @@ void evaluateRelocalisation(const std::string& session, const std::string& input
                             const std::string& truth, bool json) {
   const SessionReader reader(session);
   std::optional<StampedPoses> true_poses;
-  Pose T_WT = Pose::Identity();
+  std::optional<LocalAlignment> to_world;
   if (!truth.empty()) {
     true_poses = StampedPoses::loadStrictly(truth);
-    T_WT = worldFromTruth(reader, *true_poses);
+    to_world = worldFromTruth(reader, *true_poses);
   }
   ReadAhead source(openSource(input, range.empty() ? FrameRange{} : FrameRange::parse(range)));
   sayWhatWasUnderstood(source.description());
@@ -94,7 +94,7 @@ void evaluateRelocalisation(const std::string& session, const std::string& input
     if (true_poses) {
       const std::optional<Pose> T_TC = true_poses->nearest(frame.stamp_s, kSameMoment_s);
       if (!T_TC) continue;
-      T_WC = T_WT * *T_TC;
+      T_WC = to_world->toEstimate(*T_TC);
     }
     evaluation.add(frame, T_WC);
     progress.show(evaluation.score().frames, "");

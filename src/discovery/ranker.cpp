@@ -112,24 +112,26 @@ class Queue {
   std::vector<cv::Rect> taken_;
 };
 
-/// Takes the best `config.max_open`, those beyond the first `config.top_k` with the stronger suppression.
+/// Takes the best `config.max_open`, those beyond the first `config.top_k` by cover_power and down to min_score.
 /// `isNew(candidate, better)` is asked of each before it is taken, with those taken before it.
 template <typename IsNew>
 Candidates takeBest(Candidates sorted, const RankingConfig& config, const IsNew& isNew) {
   const bool suppress = config.suppress && !config.paper;
+  const auto top_k = static_cast<std::size_t>(config.top_k);
   Queue queue(sorted, config.suppress_from);
   const double cover_power = std::max(config.suppress_power, config.cover_power);  // no score may rise again
-  queue.restart(!suppress ? 0.0 : config.top_k > 0 ? config.suppress_power : cover_power);
+  queue.restart(!suppress ? 0.0 : top_k > 0 ? config.suppress_power : cover_power);
   std::vector<const Candidate*> better;
   std::vector<Waiting> taken;
   while (!queue.empty() && taken.size() < static_cast<std::size_t>(config.max_open)) {
     const Waiting next = queue.pop();
+    if (!config.paper && taken.size() >= top_k && next.score < config.min_score) break;
     const Candidate& candidate = sorted[next.index];
     if (!isNew(candidate, better)) continue;
     better.push_back(&candidate);
     taken.push_back(next);
     queue.take(next);
-    if (suppress && taken.size() == static_cast<std::size_t>(config.top_k)) queue.restart(cover_power);
+    if (suppress && taken.size() == top_k && cover_power > config.suppress_power) queue.restart(cover_power);
   }
   Candidates best;
   best.reserve(taken.size());

@@ -53,7 +53,9 @@ ComparedMethods::ComparedMethods(const ComparisonOptions& options, const Discove
     orderings_.push_back({std::move(score), std::move(order)});
   };
   const auto addRival = [&](const char* name, Rival propose) {
-    rivals_.push_back({{name, DiscoveryScore(rules.max_candidates), std::nullopt}, std::move(propose)});
+    MethodScore score{name, DiscoveryScore(rules.max_candidates), std::nullopt};
+    score.boxes_as_many_as_ours.emplace(rules.max_candidates);
+    rivals_.push_back({std::move(score), std::move(propose)});
   };
   if (options.sources) {
     addOrdering("colour", [this](Candidates pool, const Perception& seen) {
@@ -81,7 +83,8 @@ ComparedMethods::ComparedMethods(const ComparisonOptions& options, const Discove
   }
 }
 
-void ComparedMethods::add(const RgbdFrame& frame, const Perception& seen, const Candidates& pool) {
+void ComparedMethods::add(const RgbdFrame& frame, const Perception& seen, const Candidates& pool,
+                          std::size_t our_count) {
   ++frames_;
   for (Ordering& method : orderings_) {
     const auto start = Clock::now();
@@ -93,10 +96,12 @@ void ComparedMethods::add(const RgbdFrame& frame, const Perception& seen, const 
   }
   for (RivalMethod& rival : rivals_) {
     const auto start = Clock::now();
-    const std::vector<cv::Rect> boxes = rival.propose(frame.color);
+    std::vector<cv::Rect> boxes = rival.propose(frame.color);
     rival.score.ms += millisecondsSince(start);
     rival.score.candidates += static_cast<double>(boxes.size());
     rival.score.boxes.add(matchBoxes(boxes, frame.label, rules_));
+    boxes.resize(std::min(boxes.size(), our_count));
+    rival.score.boxes_as_many_as_ours->add(matchBoxes(boxes, frame.label, rules_));
   }
 }
 

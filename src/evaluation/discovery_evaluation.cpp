@@ -47,7 +47,7 @@ DiscoveryEvaluation evaluateFrames(FrameSource& source, const EvaluationOptions&
     result.ours.candidates += static_cast<double>(ranked.size());
     result.ours.boxes.add(matchBoxes(ranked, frame.label, rules));
     result.ours.masks->add(matchMasks(ranked, seen, frame.label, rules));
-    compared.add(frame, seen, pool);
+    compared.add(frame, seen, pool, ranked.size());
     if (options.on_frame) options.on_frame({frame, with_depth ? &depth : nullptr, seen, ranked});
     ++result.frames;
   }

@@ -32,6 +32,7 @@ Json jsonOf(const MethodScore& method, int k) {
   Json json;
   json["boxes"] = scoreJson(method.boxes, k);
   if (method.masks) json["masks"] = scoreJson(*method.masks, k);
+  if (method.boxes_as_many_as_ours) json["boxes_as_many_as_ours"] = scoreJson(*method.boxes_as_many_as_ours, k);
   json["candidates_per_frame"] = method.candidates;
   json["ms_per_frame"] = method.ms;
   return json;
@@ -164,13 +165,16 @@ std::vector<std::vector<std::string>> methodRows(const std::vector<SequenceEvalu
   const Json mean = documentOf(sequences, k)["mean"];
   const std::string at = "_at_" + std::to_string(k);
   std::vector<std::vector<std::string>> rows = {{"single frames, boxes, %", "recall @" + std::to_string(k), "all",
-                                                 "precision @" + std::to_string(k), "F", "AUC recall", "best overlap",
+                                                 "precision @" + std::to_string(k), "F @" + std::to_string(k), "F all",
+                                                 "F as many as ours", "AUC recall", "best overlap",
                                                  "masks: recall @" + std::to_string(k), "all", "ms"}};
   for (const auto& [name, method] : mean["methods"].items()) {
     const Json& boxes = method["boxes"];
-    const bool has_masks = method.contains("masks");
+    const bool has_masks = method.contains("masks"), as_many = method.contains("boxes_as_many_as_ours");
     rows.push_back({name, percent(boxes["recall" + at]), percent(boxes["recall_all"]), percent(boxes["precision" + at]),
-                    percent(boxes["f_score"]), percent(boxes["auc_recall"]), percent(boxes["mean_best_overlap"]),
+                    percent(boxes["f_score"]), percent(boxes["f_score_all"]),
+                    percent((as_many ? method["boxes_as_many_as_ours"] : boxes)["f_score_all"]),
+                    percent(boxes["auc_recall"]), percent(boxes["mean_best_overlap"]),
                     has_masks ? percent(method["masks"]["recall" + at]) : "-",
                     has_masks ? percent(method["masks"]["recall_all"]) : "-",
                     fmt::format("{:.1f}", method["ms_per_frame"].get<double>())});

@@ -20,7 +20,8 @@ struct RankingConfig {
   bool suppress = true;
   double suppress_from = 0.3;
   double suppress_power = 0.25;
-  double cover_power = 1.0;
+  double cover_power = 0.25;
+  double min_score = 0.1;
   double unmeasured_weight = 0.5;
   FeatureConfig features;
 
@@ -37,7 +38,9 @@ struct RankingConfig {
     v.number("suppress_from", suppress_from, {0.0, 1.0}, "", "box overlap from which score is lost");
     v.number("suppress_power", suppress_power, {0.0, 100.0}, "", "how steeply the score falls to 0 at full overlap");
     v.number("cover_power", cover_power, {0.0, 100.0}, "",
-             "the same (if steeper) for candidates after the first top_k");
+             "the same (if steeper) for candidates after the first top_k: 1 misses least and repeats nothing");
+    v.number("min_score", min_score, {0.0, 1.0}, "",
+             "the list ends after the first top_k where scores fall below this; 0 with cover_power 1 misses least");
     v.number("unmeasured_weight", unmeasured_weight, {0.0, 1.0}, "",
              "factor on the score of candidates that depth hardly shows (features.min_depth_share): few leaves can "
              "remember them");
@@ -58,9 +61,10 @@ class Ranker {
   /// Returns the best `max_open` of `open`, measured, scored and sorted by falling score; ties go by source, then by
   /// the pool's order. Candidates that score low with a mean convexity are left out before theirs is measured, unless
   /// `config.paper`. Duplicates (masks alike) keep the better score only. With suppression the score of a candidate
-  /// is the model's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017): gently
-  /// among the first `top_k`, which are attended, steeply after them, where a list is read to miss nothing. In frames
-  /// with depth, candidates that it does not show (`has_depth`) weigh `unmeasured_weight`, unless `config.paper`.
+  /// is the model's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017), by
+  /// `suppress_power` among the first `top_k`, which are attended, by `cover_power` after them. There the list ends
+  /// with the last score of `min_score` or more, unless `config.paper`. In frames with depth, candidates that it does
+  /// not show (`has_depth`) weigh `unmeasured_weight`, unless `config.paper`.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
 
   /// rank(), cut to `k`.

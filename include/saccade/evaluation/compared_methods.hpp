@@ -16,8 +16,10 @@ struct MethodScore {
   std::string name;
   DiscoveryScore boxes;
   std::optional<DiscoveryScore> masks;  ///< none for methods that give boxes only
-  double candidates = 0.0;              ///< mean number a frame that the method gave
-  double ms = 0.0;                      ///< mean time a frame for what this method does beyond perception
+  /// Of a rival: the boxes cut in each frame to as many as we give there, so that F compares lists of one length.
+  std::optional<DiscoveryScore> boxes_as_many_as_ours = std::nullopt;
+  double candidates = 0.0;  ///< mean number a frame that the method gave
+  double ms = 0.0;          ///< mean time a frame for what this method does beyond perception
 
   /// Makes means of the sums over `frames` frames that `candidates` and `ms` hold until then.
   void finish(int frames);
@@ -41,8 +43,8 @@ class ComparedMethods {
   ComparedMethods(const ComparedMethods&) = delete;
   ComparedMethods& operator=(const ComparedMethods&) = delete;
 
-  /// `pool`: our candidates of the frame before ranking.
-  void add(const RgbdFrame& frame, const Perception& seen, const Candidates& pool);
+  /// `pool`: our candidates of the frame before ranking, `our_count`: how many are left after it.
+  void add(const RgbdFrame& frame, const Perception& seen, const Candidates& pool, std::size_t our_count);
   /// The scores, in a fixed order. Call once, after the last frame.
   [[nodiscard]] std::vector<MethodScore> finish();
 

@@ -93,6 +93,7 @@ RankingConfig keepingAll(const Candidates& pool) {
   config.suppress = false;
   config.duplicate_iou = 1.0;
   config.max_convexities = 0;
+  config.min_score = 0.0;
   config.max_open = static_cast<int>(pool.size());
   return config;
 }
@@ -166,11 +167,35 @@ TEST(Suppression, AfterTheFirstTopKPrefersWhatNoBetterOneCovers) {
   for (std::size_t i = 0; i < 4; ++i) sorted[i].score = scores[i];
   RankingConfig config;
   config.top_k = 2;
+  config.cover_power = 1.0;
+  config.min_score = 0.0;
   suppressOverlapping(sorted, config);
   ASSERT_EQ(sorted.size(), 4U);
   EXPECT_EQ(sorted[1].box.x, 8) << "gently among the first: a score of 0.84 is still worth more than 0.45";
   EXPECT_EQ(sorted[2].box.x, 200) << "steeply after them";
   for (std::size_t i = 1; i < 4; ++i) EXPECT_LE(sorted[i].score, sorted[i - 1].score);
+}
+
+TEST(Suppression, EndsTheListWhereScoresFallBelowTheLeastButNotAmongTheFirstTopK) {
+  Candidates apart(4);
+  const std::array<double, 4> scores{0.5, 0.1, 0.3, 0.02};
+  for (std::size_t i = 0; i < 4; ++i) apart[i].box = {100 * static_cast<int>(i), 0, 40, 40};
+  const auto left = [&](int top_k, double min_score, bool paper) {
+    Candidates sorted = apart;
+    for (std::size_t i = 0; i < 4; ++i) sorted[i].score = scores[i];
+    std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+    RankingConfig config;
+    config.top_k = top_k;
+    config.min_score = min_score;
+    config.paper = paper;
+    suppressOverlapping(sorted, config);
+    return sorted.size();
+  };
+  EXPECT_EQ(left(1, 0.1, false), 3U) << "0.1 itself is enough";
+  EXPECT_EQ(left(1, 0.2, false), 2U);
+  EXPECT_EQ(left(3, 0.2, false), 3U) << "what is attended is not cut";
+  EXPECT_EQ(left(1, 0.0, false), 4U);
+  EXPECT_EQ(left(1, 0.2, true), 4U);
 }
 
 TEST(Suppression, SwitchedOffLeavesTheOrder) {
