@@ -17,6 +17,9 @@ constexpr int kLeastIouNumerator = 7, kLeastIouDenominator = 10;
 struct SortedBoxes {
   std::vector<int> left, top, right, bottom, area, unions, agreeing;
 
+  explicit SortedBoxes(std::size_t count) {
+    for (std::vector<int>* values : {&left, &top, &right, &bottom, &area, &unions, &agreeing}) values->reserve(count);
+  }
   void append(const Candidate& candidate) {
     const cv::Rect& box = candidate.box;
     left.push_back(box.x);
@@ -57,7 +60,7 @@ std::vector<int> countAgreeing(const Candidates& candidates) {
     const int a = candidates[i].box.area(), b = candidates[j].box.area();
     return a != b ? a < b : i < j;
   });
-  SortedBoxes boxes;
+  SortedBoxes boxes(order.size());
   for (const std::size_t i : order) boxes.append(candidates[i]);
   // Boxes of too different areas cannot agree: of rising areas only those up to `end` can.
   std::size_t end = 0;

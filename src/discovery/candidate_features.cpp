@@ -80,6 +80,7 @@ void CandidateMeasurer::measure(std::span<Candidate> candidates, const Perceptio
 
 void CandidateMeasurer::measureConvexity(Candidate& candidate, const Perception& seen) {
   candidate.features[kFeatureConvexity] = static_cast<float>(convexity(candidate, seen.table(candidate.source)));
+  candidate.has_convexity = true;
 }
 
 void CandidateMeasurer::measureAllButConvexity(std::span<Candidate> candidates, const Perception& seen) {
@@ -104,7 +105,7 @@ void CandidateMeasurer::measureOne(Candidate& candidate, const Perception& seen)
   for (const std::int32_t segment : candidate.segments) sums += table.sums(segment);
   candidate.features.fill(0.0F);
   candidate.cues.fill(0.0F);
-  candidate.has_depth = false;
+  candidate.has_depth = candidate.has_convexity = false;
   if (sums.area == 0) return;
 
   const double area = sums.area, image_area = seen.imageSize().area();

@@ -43,10 +43,8 @@ cv::Mat1i whiteBefore(const cv::Mat1b& ior) {
 InhibitionSplit withoutInhibited(Candidates pool, const Perception& seen, const cv::Mat1b& ior,
                                  const InhibitionConfig& config) {
   InhibitionSplit split;
-  if (ior.empty()) {
-    split.open = std::move(pool);
-    return split;
-  }
+  split.open = std::move(pool);
+  if (ior.empty()) return split;
   if (ior.size() != seen.imageSize()) {
     throw std::invalid_argument("withoutInhibited: the 2D IOR map has " + std::to_string(ior.cols) + "x" +
                                 std::to_string(ior.rows) + " pixels, the frame " +
@@ -55,14 +53,21 @@ InhibitionSplit withoutInhibited(Candidates pool, const Perception& seen, const 
   const cv::Mat1i white_before = whiteBefore(ior);
   const std::vector<int> color = inhibitedPixels(seen.color_segments.runs(), white_before),
                          surface = inhibitedPixels(seen.surface_segments.runs(), white_before);
-  for (Candidate& candidate : pool) {
+  std::size_t open = 0;
+  for (Candidate& candidate : split.open) {
     const std::vector<int>& pixels = candidate.source == CandidateSource::kColor ? color : surface;
     int white = 0;
     for (const std::int32_t segment : candidate.segments) white += pixels[static_cast<std::size_t>(segment)];
     candidate.inhibited_share = candidate.area > 0 ? static_cast<double>(white) / candidate.area : 0.0;
     candidate.inhibited = config.enabled && white > 0 && candidate.inhibited_share >= config.theta;
-    (candidate.inhibited ? split.inhibited : split.open).push_back(std::move(candidate));
+    if (candidate.inhibited) {
+      split.inhibited.push_back(std::move(candidate));
+    } else {
+      if (&candidate != &split.open[open]) split.open[open] = std::move(candidate);
+      ++open;
+    }
   }
+  split.open.resize(open);
   return split;
 }
 

@@ -1,8 +1,10 @@
 #include "saccade/discovery/proposals.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -92,11 +94,20 @@ std::uint64_t cellOf(const cv::Rect& box, int area) {
 
 }  // namespace
 
-/// Gathers the candidates of one source and drops those met before.
+/// Gathers the candidates of one source and drops those met before; what it needs for that is recycled.
 class Proposer::Pool {
  public:
-  Pool(const Perception& seen, CandidateSource source, const ProposalConfig& config, KeyCounts& boxes, KeyCounts& known)
-      : table_(seen.table(source)), source_(source), config_(config), boxes_(boxes), known_(known) {
+  /// Begins a frame. `boxes`: of both sources.
+  void begin(const Perception& seen, CandidateSource source, const ProposalConfig& config, KeyCounts& boxes) {
+    table_ = &seen.table(source);
+    source_ = source;
+    boxes_ = &boxes;
+    known_.clear();
+    pool_.clear();
+    cells_.clear();
+    takeBlock();
+    distinct_boxes_ = config.distinct_boxes && !config.paper;
+    distinct_unions_ = !config.paper;
     const cv::Size size = seen.imageSize();
     max_area_ = config.paper ? size.area() : static_cast<int>(config.max_area_share * size.area());
     min_area_ = config.paper ? 1 : config.min_area;
@@ -106,41 +117,51 @@ class Proposer::Pool {
 
   void add(std::span<const std::int32_t> segments) {
     SegmentSums sums;
-    for (const std::int32_t segment : segments) sums += table_.sums(segment);
+    for (const std::int32_t segment : segments) sums += table_->sums(segment);
     add(segments, sums);
   }
 
   void add(std::span<const std::int32_t> segments, const SegmentSums& sums) {
     if (segments.empty() || sums.area < min_area_ || sums.area > max_area_) return;
     const std::uint64_t cell = cellOf(sums.box(), sums.area);
-    if (!config_.paper && (!isNew(segments) || (boxes_.add(cell) > 1 && config_.distinct_boxes))) return;
-    Candidate candidate;
+    if (distinct_unions_ && (!isNew(segments) || (boxes_->add(cell) > 1 && distinct_boxes_))) return;
+    Candidate& candidate = pool_.emplace_back();
     candidate.source = source_;
-    candidate.segments.assign(segments.begin(), segments.end());
+    SegmentIds::Block& block = *blocks_.front();
+    candidate.segments = SegmentIds(blocks_.front(), block.size(), segments.size());
+    block.insert(block.end(), segments.begin(), segments.end());
     candidate.box = sums.box();
     candidate.area = sums.area;
-    pool_.push_back(std::move(candidate));
     cells_.push_back(cell);
   }
 
   [[nodiscard]] const Candidates& candidates() const { return pool_; }
-  // Call when both sources are done: what is proposed later counts too.
-  [[nodiscard]] Candidates take() {
-    for (std::size_t i = 0; config_.distinct_boxes && !config_.paper && i < pool_.size(); ++i) {
-      pool_[i].unions = boxes_.of(cells_[i]);
-    }
-    return std::move(pool_);
+  // Appends the candidates to `all`. Call when both sources are done: what is proposed later counts too.
+  void handOver(Candidates& all) {
+    for (std::size_t i = 0; distinct_boxes_ && i < pool_.size(); ++i) pool_[i].unions = boxes_->of(cells_[i]);
+    all.insert(all.end(), std::make_move_iterator(pool_.begin()), std::make_move_iterator(pool_.end()));
   }
 
  private:
   // Whether these segments have not been proposed yet; two unions are taken for one if 64 bits of hash are equal.
   [[nodiscard]] bool isNew(std::span<const std::int32_t> segments) { return known_.add(hashOf(segments)) == 1; }
 
-  const SegmentTable& table_;
-  CandidateSource source_;
-  const ProposalConfig& config_;
-  KeyCounts &boxes_, &known_;
+  // A block for the ids of this frame's segments: one that no candidate of an earlier frame holds any more.
+  void takeBlock() {
+    auto free = std::find_if(blocks_.begin(), blocks_.end(), [](const auto& block) { return block.use_count() == 1; });
+    if (free == blocks_.end()) free = blocks_.insert(free, std::make_shared<SegmentIds::Block>());
+    std::atomic_thread_fence(std::memory_order_acquire);  // whoever let go of it last has read what it wanted
+    std::iter_swap(blocks_.begin(), free);
+    blocks_.front()->clear();
+  }
+
+  const SegmentTable* table_ = nullptr;
+  CandidateSource source_ = CandidateSource::kColor;
+  KeyCounts* boxes_ = nullptr;
+  KeyCounts known_;
+  bool distinct_unions_ = true, distinct_boxes_ = true;
   int min_area_ = 1, max_area_ = 0;
+  std::vector<std::shared_ptr<SegmentIds::Block>> blocks_;  ///< the first is this frame's
   Candidates pool_;
   std::vector<std::uint64_t> cells_;  ///< of the candidates
 };
@@ -149,35 +170,54 @@ namespace {
 
 using Pool = Proposer::Pool;
 
+// What something covers of the segments of a frame.
+class SegmentCover {
+ public:
+  void begin(const SegmentTable& table) {
+    table_ = &table;
+    covered_.assign(static_cast<std::size_t>(table.count()), 0);
+    touched_.clear();
+  }
+  void add(std::int32_t segment, int pixels) {
+    int& covered = covered_[static_cast<std::size_t>(segment)];
+    if (covered == 0) touched_.push_back(segment);
+    covered += pixels;
+  }
+  // The segments of which at least `share` is covered, rising; forgets what is.
+  [[nodiscard]] std::span<const std::int32_t> take(double share) {
+    selected_.clear();
+    for (const std::int32_t segment : touched_) {
+      int& covered = covered_[static_cast<std::size_t>(segment)];
+      if (covered >= share * table_->sums(segment).area) selected_.push_back(segment);
+      covered = 0;
+    }
+    touched_.clear();
+    std::sort(selected_.begin(), selected_.end());
+    return selected_;
+  }
+
+ private:
+  const SegmentTable* table_ = nullptr;
+  std::vector<int> covered_;  ///< pixels, by segment
+  std::vector<std::int32_t> touched_, selected_;
+};
+
 // The paper's rule: a blob selects the segments of which it covers at least the share `overlap`.
-void addBlobUnions(const Perception& seen, CandidateSource source, double overlap, Pool& pool) {
+void addBlobUnions(const Perception& seen, CandidateSource source, double overlap, SegmentCover& cover, Pool& pool) {
   const SegmentTable& table = seen.table(source);
-  std::vector<int> covered(static_cast<std::size_t>(table.count()), 0);
-  std::vector<std::int32_t> touched, selected;
+  cover.begin(table);
   for (const SalientBlob& blob : seen.blobs) {
-    touched.clear();
     for (const PixelRun& run : blob.runs) {
       const std::span<const LabelRun> row = table.runs().row(run.row);
       auto labelled = std::upper_bound(row.begin(), row.end(), run.first_column,
                                        [](int column, const LabelRun& other) { return column < other.end_u; });
       for (int u = run.first_column; u < run.end_column; ++labelled) {
         const int next = std::min(labelled->end_u, run.end_column);
-        if (labelled->label >= 0) {
-          int& pixels = covered[static_cast<std::size_t>(labelled->label)];
-          if (pixels == 0) touched.push_back(labelled->label);
-          pixels += next - u;
-        }
+        if (labelled->label >= 0) cover.add(labelled->label, next - u);
         u = next;
       }
     }
-    selected.clear();
-    for (const std::int32_t segment : touched) {
-      int& pixels = covered[static_cast<std::size_t>(segment)];
-      if (pixels >= overlap * table.sums(segment).area) selected.push_back(segment);
-      pixels = 0;
-    }
-    std::sort(selected.begin(), selected.end());
-    pool.add(selected);
+    pool.add(cover.take(overlap));
   }
 }
 
@@ -282,26 +322,16 @@ void addColorUnions(const Perception& seen, RegionMerging& merging, Pool& pool) 
 }
 
 // Depth candidates find the object, colour segments its outline: those that lie mostly within one are selected by it.
-void addCrossSelections(const Perception& seen, const Candidates& depth_pool, double share, Pool& pool) {
-  std::vector<int> covered(static_cast<std::size_t>(seen.color_segments.count()), 0);
-  std::vector<std::int32_t> touched, selected;
+void addCrossSelections(const Perception& seen, const Candidates& depth_pool, double share, SegmentCover& cover,
+                        Pool& pool) {
+  cover.begin(seen.color_segments);
   for (const Candidate& candidate : depth_pool) {
-    touched.clear();
     for (const std::int32_t segment : candidate.segments) {
       for (const SegmentOverlap::Share& overlap : seen.overlap.ofSecond(segment)) {
-        int& pixels = covered[static_cast<std::size_t>(overlap.other)];
-        if (pixels == 0) touched.push_back(overlap.other);
-        pixels += overlap.pixels;
+        cover.add(overlap.other, overlap.pixels);
       }
     }
-    selected.clear();
-    for (const std::int32_t segment : touched) {
-      int& pixels = covered[static_cast<std::size_t>(segment)];
-      if (pixels >= share * seen.color_segments.sums(segment).area) selected.push_back(segment);
-      pixels = 0;
-    }
-    std::sort(selected.begin(), selected.end());
-    pool.add(selected);
+    pool.add(cover.take(share));
   }
 }
 
@@ -316,7 +346,9 @@ void addSegments(const SegmentTable& table, Pool& pool) {
 /// What is recycled from frame to frame.
 struct Proposer::Scratch {
   RegionMerging merging;
-  KeyCounts boxes, known_colors, known_depths;
+  SegmentCover cover;
+  KeyCounts boxes;
+  Pool color, depth;
 };
 
 Proposer::Proposer(ProposalConfig config) : config_(config), scratch_(std::make_unique<Scratch>()) {}
@@ -325,12 +357,12 @@ Proposer::Proposer(Proposer&&) noexcept = default;
 Proposer& Proposer::operator=(Proposer&&) noexcept = default;
 
 Candidates Proposer::propose(const Perception& seen) {
-  auto& [merging, boxes, known_colors, known_depths] = *scratch_;
-  for (KeyCounts* counts : {&boxes, &known_colors, &known_depths}) counts->clear();
-  Pool color(seen, CandidateSource::kColor, config_, boxes, known_colors);
-  Pool depth(seen, CandidateSource::kDepth, config_, boxes, known_depths);
-  addBlobUnions(seen, CandidateSource::kColor, config_.overlap, color);
-  if (seen.has_depth) addBlobUnions(seen, CandidateSource::kDepth, config_.overlap, depth);
+  auto& [merging, cover, boxes, color, depth] = *scratch_;
+  boxes.clear();
+  color.begin(seen, CandidateSource::kColor, config_, boxes);
+  depth.begin(seen, CandidateSource::kDepth, config_, boxes);
+  addBlobUnions(seen, CandidateSource::kColor, config_.overlap, cover, color);
+  if (seen.has_depth) addBlobUnions(seen, CandidateSource::kDepth, config_.overlap, cover, depth);
   if (!config_.paper) {
     if (config_.single_segments) addSegments(seen.color_segments, color);
     if (config_.adjacent_pairs) addPairs(seen.color_segments, color);
@@ -338,11 +370,12 @@ Candidates Proposer::propose(const Perception& seen) {
     if (config_.single_segments) addSegments(seen.surface_segments, depth);
     if (config_.adjacent_pairs) addPairs(seen.surface_segments, depth);
     addSurfaceUnions(seen, config_, merging, depth);
-    if (config_.cross_selection) addCrossSelections(seen, depth.candidates(), config_.cross_share, color);
+    if (config_.cross_selection) addCrossSelections(seen, depth.candidates(), config_.cross_share, cover, color);
   }
-  Candidates pool = color.take();
-  Candidates from_depth = depth.take();
-  pool.insert(pool.end(), std::make_move_iterator(from_depth.begin()), std::make_move_iterator(from_depth.end()));
+  Candidates pool;
+  pool.reserve(color.candidates().size() + depth.candidates().size());
+  color.handOver(pool);
+  depth.handOver(pool);
   if (!config_.paper) {
     const std::vector<int> agreeing = countAgreeing(pool);
     for (std::size_t i = 0; i < pool.size(); ++i) pool[i].unions = agreeing[i];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -69,7 +70,9 @@ struct Waiting {
 class Queue {
  public:
   /// `sorted`: by falling score, must outlive the queue. Overlap above `from` lowers scores.
-  Queue(const Candidates& sorted, double from) : sorted_(sorted), from_(from), is_out_(sorted.size(), 0) {}
+  Queue(const Candidates& sorted, double from) : sorted_(sorted), from_(from), is_out_(sorted.size(), 0) {
+    heap_.reserve(sorted.size());
+  }
 
   /// Every candidate that is still in starts again from its own score; from now on overlap lowers it by `power`.
   void restart(double power) {
@@ -112,6 +115,34 @@ class Queue {
   std::vector<cv::Rect> taken_;
 };
 
+/// Leaves the `most` candidates that score best, in their order.
+void keepBest(Candidates& candidates, std::size_t most) {
+  if (candidates.size() <= most) return;
+  std::vector<std::size_t> best(candidates.size());
+  std::iota(best.begin(), best.end(), std::size_t{0});
+  const auto cut = best.begin() + static_cast<std::ptrdiff_t>(most);
+  std::nth_element(best.begin(), cut, best.end(), [&candidates](std::size_t i, std::size_t j) {
+    const Candidate &a = candidates[i], &b = candidates[j];
+    return a.score != b.score ? a.score > b.score : i < j;
+  });
+  std::sort(best.begin(), cut);
+  for (std::size_t i = 0; i < most; ++i) {
+    if (best[i] != i) candidates[i] = std::move(candidates[best[i]]);
+  }
+  candidates.resize(most);
+}
+
+/// The score of the candidate of this rank, from 0 on; 0 if there are not so many.
+double scoreAt(const Candidates& candidates, std::size_t rank) {
+  if (candidates.size() <= rank) return 0.0;
+  std::vector<double> scores;
+  scores.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) scores.push_back(candidate.score);
+  const auto at = scores.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(scores.begin(), at, scores.end(), std::greater<>());
+  return *at;
+}
+
 /// Takes the best `config.max_open`, those beyond the first `config.top_k` by cover_power and down to min_score.
 /// `isNew(candidate, better)` is asked of each before it is taken, with those taken before it.
 template <typename IsNew>
@@ -123,6 +154,8 @@ Candidates takeBest(Candidates sorted, const RankingConfig& config, const IsNew&
   queue.restart(!suppress ? 0.0 : top_k > 0 ? config.suppress_power : cover_power);
   std::vector<const Candidate*> better;
   std::vector<Waiting> taken;
+  better.reserve(sorted.size());
+  taken.reserve(sorted.size());
   while (!queue.empty() && taken.size() < static_cast<std::size_t>(config.max_open)) {
     const Waiting next = queue.pop();
     if (!config.paper && taken.size() >= top_k && next.score < config.min_score) break;
@@ -187,38 +220,41 @@ void Ranker::score(Candidates& open, const Perception& seen) const {
 /// Of all candidates that the built-in ranker was trained on.
 constexpr float kMeanConvexity_m = 0.022F;
 
-/// Leaves the candidates, measured but for their convexity, that score best with a mean one.
-void Ranker::keepPromising(Candidates& open, const Perception& seen) const {
-  const auto most = static_cast<std::size_t>(config_.max_convexities);
-  if (config_.paper || most == 0 || open.size() <= most) return;
-  for (Candidate& candidate : open) {
-    if (candidate.has_depth) candidate.features[kFeatureConvexity] = kMeanConvexity_m;
-  }
-  score(open, seen);
-  std::vector<std::size_t> best(open.size());
-  std::iota(best.begin(), best.end(), std::size_t{0});
-  const auto cut = best.begin() + static_cast<std::ptrdiff_t>(most);
-  std::nth_element(best.begin(), cut, best.end(), [&open](std::size_t i, std::size_t j) {
-    return open[i].score != open[j].score ? open[i].score > open[j].score : i < j;
+/// Measures the convexity of those that score at least `least` and have none yet.
+void Ranker::measureConvexities(std::span<Candidate> candidates, const Perception& seen, double least) {
+  forEachPart(candidates, measurers_, [&](CandidateMeasurer& measurer, std::span<Candidate> part) {
+    for (Candidate& candidate : part) {
+      const bool is_missing = candidate.has_depth && !candidate.has_convexity;
+      if (is_missing && candidate.score >= least) measurer.measureConvexity(candidate, seen);
+    }
   });
-  std::sort(best.begin(), cut);
-  for (std::size_t i = 0; i < most; ++i) {
-    if (best[i] != i) open[i] = std::move(open[best[i]]);
+}
+
+/// Of candidates that are measured but for their convexity, which takes half of the time of all features, those that
+/// score best with a mean one are left, and the best of these get their own.
+void Ranker::judge(Candidates& open, const Perception& seen) {
+  const auto limit = [&](int most) {
+    return config_.paper || most == 0 ? open.size() : static_cast<std::size_t>(most);
+  };
+  const std::size_t judged = limit(config_.max_judged), measured = limit(config_.max_convexities);
+  double least = 0.0;
+  if (open.size() > std::min(judged, measured)) {
+    for (Candidate& candidate : open) {
+      if (candidate.has_depth) candidate.features[kFeatureConvexity] = kMeanConvexity_m;
+    }
+    score(open, seen);
+    keepBest(open, judged);
+    least = scoreAt(open, measured);
   }
-  open.resize(most);
+  measureConvexities(open, seen, least);
+  score(open, seen);
 }
 
 Candidates Ranker::rank(Candidates open, const Perception& seen) {
   forEachPart(open, measurers_, [&](CandidateMeasurer& measurer, std::span<Candidate> part) {
     measurer.measureAllButConvexity(part, seen);
   });
-  keepPromising(open, seen);
-  forEachPart(open, measurers_, [&](CandidateMeasurer& measurer, std::span<Candidate> part) {
-    for (Candidate& candidate : part) {
-      if (candidate.has_depth) measurer.measureConvexity(candidate, seen);
-    }
-  });
-  score(open, seen);
+  judge(open, seen);
   std::vector<std::size_t> order(open.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&open](std::size_t i, std::size_t j) {
@@ -235,7 +271,9 @@ Candidates Ranker::rank(Candidates open, const Perception& seen) {
              return areAlike(*other, candidate, config_.duplicate_iou, seen);
            });
   };
-  return takeBest(std::move(sorted), config_, isNew);
+  Candidates best = takeBest(std::move(sorted), config_, isNew);
+  measureConvexities(best, seen, 0.0);  // what is told of a candidate is its own
+  return best;
 }
 
 void suppressOverlapping(Candidates& sorted, const RankingConfig& config) {

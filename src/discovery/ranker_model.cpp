@@ -247,6 +247,8 @@ void RankerModel::score(Candidates& candidates) const {
   for (const bool with_depth : {true, false}) {
     std::vector<float> rows;
     std::vector<std::size_t> owners;
+    rows.reserve(candidates.size() * featureCount(set_, with_depth));
+    owners.reserve(candidates.size());
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (candidates[i].has_depth != with_depth) continue;
       appendFeatures(candidates[i], set_, with_depth, rows);

@@ -7,7 +7,7 @@ namespace saccade {
 
 void RegionMerging::run(const SegmentTable& table, std::span<const std::uint8_t> active, int max_area,
                         const Unlikeness& unlikeness, const Report& report) {
-  queue_ = {};
+  steps_.clear();
   used_ = static_cast<std::size_t>(table.count());
   if (regions_.size() < 2 * used_) regions_.resize(2 * used_);
   for (std::size_t i = 0; i < used_; ++i) {
@@ -28,9 +28,10 @@ void RegionMerging::run(const SegmentTable& table, std::span<const std::uint8_t>
       if (id < edge.neighbor) push(id, edge.neighbor, boundary, unlikeness);
     }
   }
-  while (!queue_.empty()) {
-    const Step step = queue_.top();
-    queue_.pop();
+  while (!steps_.empty()) {
+    std::pop_heap(steps_.begin(), steps_.end(), std::greater<>());
+    const Step step = steps_.back();
+    steps_.pop_back();
     const auto a = static_cast<std::size_t>(step.a), b = static_cast<std::size_t>(step.b);
     if (!regions_[a].alive || !regions_[b].alive) continue;
     if (regions_[a].sums.area + regions_[b].sums.area > max_area) continue;
@@ -44,7 +45,9 @@ void RegionMerging::run(const SegmentTable& table, std::span<const std::uint8_t>
 void RegionMerging::push(std::int32_t a, std::int32_t b, const SharedBoundary& boundary, const Unlikeness& unlikeness) {
   const double value =
       unlikeness(regions_[static_cast<std::size_t>(a)].sums, regions_[static_cast<std::size_t>(b)].sums, boundary);
-  if (std::isfinite(value)) queue_.push({value, a, b});
+  if (!std::isfinite(value)) return;
+  steps_.push_back({value, a, b});
+  std::push_heap(steps_.begin(), steps_.end(), std::greater<>());
 }
 
 std::int32_t RegionMerging::merge(std::int32_t a, std::int32_t b) {

@@ -14,7 +14,7 @@ Candidates lightCopies(const LabelledPool& pool) {
   Candidates copies;
   for (std::size_t i = 0; i < pool.candidates.size(); ++i) {
     Candidate copy = pool.candidates[i];
-    copy.segments.assign(1, static_cast<std::int32_t>(i));
+    copy.segments = {static_cast<std::int32_t>(i)};
     copies.push_back(std::move(copy));
   }
   return copies;

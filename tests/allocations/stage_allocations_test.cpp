@@ -1,6 +1,8 @@
 // In the steady state the stages take no fresh memory: their buffers have grown to what frames need.
 
+#include <algorithm>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +15,8 @@
 #include "saccade/core/depth_maps.hpp"
 #include "saccade/discovery/candidate_outline.hpp"
 #include "saccade/discovery/perceiver.hpp"
+#include "saccade/discovery/proposals.hpp"
+#include "saccade/discovery/ranker.hpp"
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/surface_volume.hpp"
 #include "saccade/rendering/back_project.hpp"
@@ -108,6 +112,34 @@ TEST(Allocations, SegmentTablesTakeNone) {
               SegmentTable::build(color, f.seen.color, surface, f.seen.surface, f.seen.saliency, f.color, &f.depth);
             }),
             0u);
+}
+
+/// What proposals and ranking may take: the lists that they hand over and a few of a frame's size. There are some
+/// hundred candidates in the desk's frames, none of which takes memory of its own.
+constexpr std::size_t kListsOfAFrame = 40;
+
+TEST(Allocations, ProposingTakesNoneForACandidate) {
+  Proposer proposer;
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  const auto propose = [&](const Frame& f) { fewest = std::min(fewest, proposer.propose(f.seen).size()); };
+  EXPECT_LE(mostAllocations(propose), kListsOfAFrame);
+  EXPECT_GT(fewest, 5 * kListsOfAFrame);
+}
+
+TEST(Allocations, RankingTakesNoneForACandidate) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  Proposer proposer;
+  Ranker ranker;
+  std::size_t most = 0;
+  for (int lap = 0; lap < 3; ++lap) {
+    for (const auto& frame : desk().frames) {
+      Candidates pool = proposer.propose(frame->seen);
+      const std::size_t before = test::allocationsSoFar();
+      const Candidates ranked = ranker.rank(std::move(pool), frame->seen);
+      if (lap > 1) most = std::max(most, test::allocationsSoFar() - before);
+    }
+  }
+  EXPECT_LE(most, kListsOfAFrame);
 }
 
 TEST(Allocations, TheSurfaceVolumeAndItsViewTakeNone) {

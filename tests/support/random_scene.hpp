@@ -87,7 +87,7 @@ inline Candidate candidateOf(const Perception& seen, CandidateSource source, std
   candidate.source = source;
   SegmentSums sums;
   for (const std::int32_t segment : segments) sums += seen.table(source).sums(segment);
-  candidate.segments = std::move(segments);
+  candidate.segments = SegmentIds(std::move(segments));
   candidate.box = sums.box();
   candidate.area = sums.area;
   return candidate;

@@ -6,6 +6,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "saccade/discovery/segment_ids.hpp"
+
 namespace saccade {
 
 /// The segmentation whose segments make up a candidate. The order is the tie-break of the ranking.
@@ -57,14 +59,15 @@ enum CandidateCue : int {
 /// discovery"). A candidate holds no mask: its pixels are those of its segments, see candidate_mask.hpp.
 struct Candidate {
   CandidateSource source = CandidateSource::kColor;
-  std::vector<std::int32_t> segments;  ///< ids in the source's segmentation, rising
-  cv::Rect box;                        ///< width = max u - min u + 1
-  int area = 0;                        ///< pixels
-  int unions = 1;                      ///< unions proposed with nearly this box, itself included: box_agreement.hpp
+  SegmentIds segments;  ///< ids in the source's segmentation, rising
+  cv::Rect box;         ///< width = max u - min u + 1
+  int area = 0;         ///< pixels
+  int unions = 1;       ///< unions proposed with nearly this box, itself included: box_agreement.hpp
 
   std::array<float, kFeatureCount> features{};
   std::array<float, kCueCount> cues{};
-  bool has_depth = false;  ///< enough of the mask has depth for κ and the depth features to mean something
+  bool has_depth = false;      ///< enough of the mask has depth for κ and the depth features to mean something
+  bool has_convexity = false;  ///< κ is measured
 
   double score = 0.0;            ///< the ranker's probability of being an object
   double inhibited_share = 0.0;  ///< share of the mask that is white in the 2D IOR map

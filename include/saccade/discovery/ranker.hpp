@@ -15,7 +15,8 @@ struct RankingConfig {
   bool paper = false;
   int top_k = 20;
   int max_open = 255;
-  int max_convexities = 700;
+  int max_judged = 700;
+  int max_convexities = 300;
   double duplicate_iou = 0.9;
   bool suppress = true;
   double suppress_from = 0.3;
@@ -29,9 +30,10 @@ struct RankingConfig {
     v.flag("paper", paper, "twelve features, no duplicates merged, nothing suppressed");
     v.integer("top_k", top_k, {0, 255}, "", "candidates attended in a frame");
     v.integer("max_open", max_open, {1, 100000}, "", "candidates reported of a frame");
-    v.integer(
-        "max_convexities", max_convexities, {0, 1000000}, "",
-        "candidates whose convexity is measured: those that score best with a mean one; 0 = all, as the paper does");
+    v.integer("max_judged", max_judged, {0, 1000000}, "",
+              "candidates that are left once all are scored with a mean convexity; 0 = all, as the paper does");
+    v.integer("max_convexities", max_convexities, {0, 1000000}, "",
+              "of them, those that score best are scored again with their own convexity; 0 = all, as the paper does");
     v.number("duplicate_iou", duplicate_iou, {0.0, 1.0}, "", "mask overlap from which the weaker of two is left out");
     v.flag("suppress", suppress,
            "candidates that overlap a better one lose score, so that the best are of many things");
@@ -59,12 +61,13 @@ class Ranker {
   Ranker(RankingConfig config, RankerModel model);
 
   /// Returns the best `max_open` of `open`, measured, scored and sorted by falling score; ties go by source, then by
-  /// the pool's order. Candidates that score low with a mean convexity are left out before theirs is measured, unless
-  /// `config.paper`. Duplicates (masks alike) keep the better score only. With suppression the score of a candidate
-  /// is the model's probability, lowered by its overlap with those ranked before it (as Bodla et al. 2017), by
-  /// `suppress_power` among the first `top_k`, which are attended, by `cover_power` after them. There the list ends
-  /// with the last score of `min_score` or more, unless `config.paper`. In frames with depth, candidates that it does
-  /// not show (`has_depth`) weigh `unmeasured_weight`, unless `config.paper`.
+  /// the pool's order. All are scored with a mean convexity first; the best `max_judged` are left, and the best
+  /// `max_convexities` of them are scored again with their own, unless `config.paper`. Duplicates (masks alike) keep
+  /// the better score only. With suppression the score of a candidate is the model's probability, lowered by its
+  /// overlap with those ranked before it (as Bodla et al. 2017), by `suppress_power` among the first `top_k`, which are
+  /// attended, by `cover_power` after them. There the list ends with the last score of `min_score` or more, unless
+  /// `config.paper`. In frames with depth, candidates that it does not show (`has_depth`) weigh `unmeasured_weight`,
+  /// unless `config.paper`.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
 
   /// rank(), cut to `k`.
@@ -75,7 +78,8 @@ class Ranker {
 
  private:
   void score(Candidates& open, const Perception& seen) const;
-  void keepPromising(Candidates& open, const Perception& seen) const;
+  void judge(Candidates& open, const Perception& seen);
+  void measureConvexities(std::span<Candidate> candidates, const Perception& seen, double least);
 
   RankingConfig config_;
   RankerModel model_;

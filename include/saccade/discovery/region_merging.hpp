@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <queue>
 #include <span>
 #include <vector>
 
@@ -60,7 +59,7 @@ class RegionMerging {
 
   std::vector<Region> regions_;
   std::size_t used_ = 0;
-  std::priority_queue<Step, std::vector<Step>, std::greater<>> queue_;
+  std::vector<Step> steps_;  ///< a heap, the smallest on top
 };
 
 }  // namespace saccade

@@ -32,7 +32,7 @@ struct Scene {
   [[nodiscard]] Candidate ofSegments(const std::vector<std::int32_t>& segments, CandidateSource source) const {
     Candidate candidate;
     candidate.source = source;
-    candidate.segments = segments;
+    candidate.segments = SegmentIds(segments);
     cv::Mat1b mask(kSize, std::uint8_t{0});
     for (const std::int32_t segment : segments) mask |= seen.segmentation(source).labels == segment;
     candidate.box = cv::boundingRect(mask);

@@ -41,7 +41,7 @@ TEST(Proposals, HaveTheBoxAndAreaOfTheirSegments) {
 
 TEST(Proposals, AreNeverTwiceTheSameSegments) {
   for (const bool distinct_boxes : {false, true}) {
-    std::set<std::pair<CandidateSource, std::vector<std::int32_t>>> met;
+    std::set<std::pair<CandidateSource, SegmentIds>> met;
     for (const Candidate& candidate : propose(distinct_boxes)) {
       EXPECT_TRUE(met.insert({candidate.source, candidate.segments}).second);
     }
@@ -92,7 +92,7 @@ RankingConfig keepingAll(const Candidates& pool) {
   RankingConfig config;
   config.suppress = false;
   config.duplicate_iou = 1.0;
-  config.max_convexities = 0;
+  config.max_judged = config.max_convexities = 0;
   config.min_score = 0.0;
   config.max_open = static_cast<int>(pool.size());
   return config;
@@ -103,7 +103,7 @@ TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersA
   const Candidates pool = proposeCandidates(scene.seen, anyArea());
   RankingConfig config = keepingAll(pool);
   const Candidates all = Ranker(config).rank(pool, scene.seen);
-  config.max_convexities = static_cast<int>(pool.size() / 2);
+  config.max_judged = static_cast<int>(pool.size() / 2);
   const Candidates promising = Ranker(config).rank(pool, scene.seen);
   ASSERT_EQ(promising.size(), pool.size() / 2);
   for (const Candidate& candidate : promising) {
@@ -116,6 +116,30 @@ TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersA
   }
   // A mean convexity misjudges some: none of the best tenth is lost.
   for (std::size_t i = 0; i < all.size() / 10; ++i) EXPECT_EQ(promising[i].segments, all[i].segments) << i;
+}
+
+TEST(Ranking, ScoresOnlyThePromisingByTheirOwnConvexityButMeasuresItOfAllThatAreGiven) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  const Candidates pool = proposeCandidates(scene.seen, anyArea());
+  RankingConfig config = keepingAll(pool);
+  const Candidates all = Ranker(config).rank(pool, scene.seen);
+  const auto promising = pool.size() / 2;
+  config.max_convexities = static_cast<int>(promising);
+  const Candidates some = Ranker(config).rank(pool, scene.seen);
+  ASSERT_EQ(some.size(), all.size());
+  std::size_t same_score = 0;
+  for (const Candidate& candidate : some) {
+    const auto same = std::find_if(all.begin(), all.end(), [&](const Candidate& other) {
+      return other.source == candidate.source && other.segments == candidate.segments;
+    });
+    ASSERT_NE(same, all.end());
+    EXPECT_EQ(candidate.features, same->features);
+    EXPECT_EQ(candidate.has_convexity, candidate.has_depth);
+    same_score += candidate.score == same->score ? 1 : 0;
+  }
+  EXPECT_GE(same_score, promising);
+  EXPECT_LT(same_score, some.size()) << "the others are judged by a mean one";
+  for (std::size_t i = 0; i < all.size() / 10; ++i) EXPECT_EQ(some[i].segments, all[i].segments) << i;
 }
 
 TEST(Ranking, LowersTheScoreOfWhatDepthDoesNotShowAndOfNothingElse) {
