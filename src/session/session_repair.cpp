@@ -9,6 +9,7 @@
 #include "saccade/map/map_tiles.hpp"
 #include "saccade/session/session_map.hpp"
 #include "saccade/session/session_reader.hpp"
+#include "saccade/session/session_snapshot.hpp"
 #include "saccade/session/session_writer.hpp"
 #include "session/blob_table_name.hpp"
 #include "session/map_blobs.hpp"
@@ -272,11 +273,13 @@ class SessionSurvey {
 
 SessionFindings verifySession(const std::filesystem::path& path) {
   const SessionReader session(path);
+  const SessionSnapshot still(session);
   return SessionSurvey(session, nullptr).run();
 }
 
 SessionFindings repairSession(const std::filesystem::path& damaged, const std::filesystem::path& repaired) {
   const SessionReader session(damaged);
+  const SessionSnapshot still(session);
   SessionWriter copy(repaired, WhenSessionExists::kRefuse);
   SessionSurvey survey(session, &copy);
   SessionFindings findings = survey.run();

@@ -16,13 +16,13 @@ struct RankingConfig {
   int top_k = 20;
   int max_open = 255;
   int max_judged = 700;
-  int max_convexities = 300;
+  int max_convexities = 400;
   double duplicate_iou = 0.9;
   bool suppress = true;
   double suppress_from = 0.3;
   double suppress_power = 0.25;
   double cover_power = 0.25;
-  double min_score = 0.1;
+  double min_score = 0.07;
   double unmeasured_weight = 0.5;
   FeatureConfig features;
 
