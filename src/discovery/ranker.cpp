@@ -244,7 +244,7 @@ void Ranker::judge(Candidates& open, const Perception& seen) {
     }
     score(open, seen);
     keepBest(open, judged);
-    least = scoreAt(open, measured);
+    least = scoreAt(open, measured - 1);
   }
   measureConvexities(open, seen, least);
   score(open, seen);
