@@ -87,6 +87,14 @@ TEST(Proposals, OfThePaperComeFromBlobsAlone) {
   EXPECT_TRUE(proposeCandidates(scene.seen, config).empty());
 }
 
+/// The candidate made of the same segments; null if there is none.
+const Candidate* findSame(const Candidates& among, const Candidate& candidate) {
+  const auto same = std::find_if(among.begin(), among.end(), [&](const Candidate& other) {
+    return other.source == candidate.source && other.segments == candidate.segments;
+  });
+  return same != among.end() ? &*same : nullptr;
+}
+
 /// Ranks without leaving anything out.
 RankingConfig keepingAll(const Candidates& pool) {
   RankingConfig config;
@@ -107,10 +115,8 @@ TEST(Ranking, LeavesOutTheWorstBeforeTheirConvexityIsMeasuredAndScoresTheOthersA
   const Candidates promising = Ranker(config).rank(pool, scene.seen);
   ASSERT_EQ(promising.size(), pool.size() / 2);
   for (const Candidate& candidate : promising) {
-    const auto same = std::find_if(all.begin(), all.end(), [&](const Candidate& other) {
-      return other.source == candidate.source && other.segments == candidate.segments;
-    });
-    ASSERT_NE(same, all.end());
+    const Candidate* same = findSame(all, candidate);
+    ASSERT_NE(same, nullptr);
     EXPECT_EQ(candidate.score, same->score);
     EXPECT_EQ(candidate.features, same->features);
   }
@@ -129,10 +135,8 @@ TEST(Ranking, ScoresOnlyThePromisingByTheirOwnConvexityButMeasuresItOfAllThatAre
   ASSERT_EQ(some.size(), all.size());
   std::size_t same_score = 0;
   for (const Candidate& candidate : some) {
-    const auto same = std::find_if(all.begin(), all.end(), [&](const Candidate& other) {
-      return other.source == candidate.source && other.segments == candidate.segments;
-    });
-    ASSERT_NE(same, all.end());
+    const Candidate* same = findSame(all, candidate);
+    ASSERT_NE(same, nullptr);
     EXPECT_EQ(candidate.features, same->features);
     EXPECT_EQ(candidate.has_convexity, candidate.has_depth);
     same_score += candidate.score == same->score ? 1 : 0;
@@ -155,10 +159,8 @@ TEST(Ranking, LowersTheScoreOfWhatDepthDoesNotShowAndOfNothingElse) {
   ASSERT_EQ(lowered.size(), as_judged.size());
   std::size_t measured = 0;
   for (const Candidate& candidate : lowered) {
-    const auto same = std::find_if(as_judged.begin(), as_judged.end(), [&](const Candidate& other) {
-      return other.source == candidate.source && other.segments == candidate.segments;
-    });
-    ASSERT_NE(same, as_judged.end());
+    const Candidate* same = findSame(as_judged, candidate);
+    ASSERT_NE(same, nullptr);
     EXPECT_EQ(candidate.score, candidate.has_depth ? same->score : 0.25 * same->score);
     measured += candidate.has_depth ? 1 : 0;
   }
