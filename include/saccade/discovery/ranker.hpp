@@ -16,7 +16,7 @@ struct RankingConfig {
   int top_k = 20;
   int max_open = 255;
   int max_judged = 700;
-  int max_convexities = 400;
+  int max_convexities = 500;
   double duplicate_iou = 0.9;
   bool suppress = true;
   double suppress_from = 0.3;
