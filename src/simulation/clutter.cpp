@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
+#include "simulation/upright_pose.hpp"
+
 namespace saccade {
 namespace {
 
@@ -16,6 +18,7 @@ using Eigen::Vector3d;
 constexpr double kGap_m = 0.004;
 constexpr double kRim_m = 0.008;  // from the support's edge
 constexpr int kTries = 60;
+const Vector3d kOrigin = Vector3d::Zero();
 
 /// Whether a line along one of a's edges parts the two convex outlines by the gap.
 bool partedByAnEdge(const std::vector<Vector2d>& a, const std::vector<Vector2d>& b) {
@@ -28,13 +31,6 @@ bool partedByAnEdge(const std::vector<Vector2d>& a, const std::vector<Vector2d>&
     if (nearest >= kGap_m) return true;
   }
   return false;
-}
-
-Pose standing(const Vector3d& foot_W, double yaw) {
-  Pose pose = Pose::Identity();
-  pose.translate(foot_W);
-  pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
-  return pose;
 }
 
 double groundArea(const ObjectModel& model) {
@@ -100,26 +96,27 @@ void Clutter::commit(ObjectModel model, const Outline& outline) {
   taken_.push_back(outline);
 }
 
-bool Clutter::placeModel(ObjectModel model, const Support& support, double spread, int allowed) {
+std::optional<Pose> Clutter::placeModel(ObjectModel model, const Support& support, double spread, int allowed) {
   const Vector2d half = support.half_size_m - Vector2d::Constant(kRim_m);
   for (int attempt = 0; attempt < kTries; ++attempt) {
     const double yaw = random_.between(-spread, spread);
     ObjectModel turned = model;
-    turned.transform(standing(Vector3d::Zero(), yaw));
+    turned.transform(uprightPose(kOrigin, yaw));
     const Outline at_origin = outlineOf(turned);
     const Vector2d least = -half - at_origin.low, most = half - at_origin.high;
     if (least.x() > most.x() || least.y() > most.y() || at_origin.z_high > support.headroom_m) continue;
     const double x = random_.between(least.x(), most.x());
     const double y = random_.between(least.y(), most.y());
-    turned.transform(standing(support.middle_W, support.yaw) * Eigen::Translation3d(x, y, 0));
+    const Pose at_place = uprightPose(support.middle_W, support.yaw) * Eigen::Translation3d(x, y, 0);
+    turned.transform(at_place);
     const Outline outline = outlineOf(turned);
     if (!isFree(outline)) continue;
     const bool book = model.kind == "book";
     commit(std::move(turned), outline);
     if (book && random_.chance(0.6)) pileBooks(outline, support, allowed - 1);
-    return true;
+    return at_place * uprightPose(kOrigin, yaw);
   }
-  return false;
+  return std::nullopt;
 }
 
 void Clutter::pileBooks(const Outline& base, const Support& support, int most) {
@@ -130,7 +127,7 @@ void Clutter::pileBooks(const Outline& base, const Support& support, int most) {
     const double dx = random_.between(-0.012, 0.012), dy = random_.between(-0.012, 0.012);
     const double yaw = support.yaw + random_.between(-0.35, 0.35);
     const Vector2d middle = 0.5 * (below.low + below.high) + Vector2d(dx, dy);
-    book.transform(standing({middle.x(), middle.y(), below.z_high + 2e-4}, yaw));
+    book.transform(uprightPose(Vector3d(middle.x(), middle.y(), below.z_high + 2e-4), yaw));
     const Outline outline = outlineOf(book);
     if (!isFree(outline) || outline.z_high > support.middle_W.z() + support.headroom_m) return;
     commit(std::move(book), outline);
@@ -139,7 +136,65 @@ void Clutter::pileBooks(const Outline& base, const Support& support, int most) {
 }
 
 bool Clutter::place(ObjectMaker make, const Support& support, double spread) {
-  return placeModel(make(random_), support, spread, 1);
+  return placeModel(make(random_), support, spread, 1).has_value();
+}
+
+bool Clutter::layOver(ObjectModel model, const Support& support, const Vector2d& about, double reach_m, double spread) {
+  constexpr double kFlat_m = 0.04;  // what is higher carries no paper
+  const Vector2d half = support.half_size_m - Vector2d::Constant(kRim_m);
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    const double yaw = random_.between(-spread, spread);
+    const double dx = random_.between(-reach_m, reach_m), dy = random_.between(-reach_m, reach_m);
+    ObjectModel turned = model;
+    turned.transform(uprightPose(kOrigin, yaw));
+    const Outline at_origin = outlineOf(turned);
+    const Vector2d place = about + Vector2d(dx, dy);
+    if ((place + at_origin.low + half).minCoeff() < 0 || (half - place - at_origin.high).minCoeff() < 0) continue;
+    turned.transform(uprightPose(support.middle_W, support.yaw) * Eigen::Translation3d(place.x(), place.y(), 0));
+    Outline outline = outlineOf(turned);
+    // It rests on the highest of what lies below it.
+    double ground = support.middle_W.z();
+    for (const Outline& other : taken_) {
+      if (other.z_high < ground || other.z_high > support.middle_W.z() + kFlat_m) continue;
+      if (partedByAnEdge(outline.corners, other.corners) || partedByAnEdge(other.corners, outline.corners)) continue;
+      ground = other.z_high + 2e-4;
+    }
+    turned.transform(Pose(Eigen::Translation3d(0, 0, ground - support.middle_W.z())));
+    outline = outlineOf(turned);
+    if (!isFree(outline)) continue;
+    commit(std::move(turned), outline);
+    return true;
+  }
+  return false;
+}
+
+int Clutter::scatter(int count, const std::vector<ObjectMaker>& makers, const Support& support, double spread) {
+  constexpr double kHeap_m = 0.14;
+  int placed = 0;
+  while (count > 0) {
+    const int heap = std::min(count, 1 + random_.below(4));
+    const double x = random_.between(-0.8, 0.8) * support.half_size_m.x();
+    const double y = random_.between(-0.7, 0.7) * support.half_size_m.y();
+    for (int i = 0; i < heap; ++i) {
+      ObjectModel model = makers[static_cast<std::size_t>(random_.below(static_cast<int>(makers.size())))](random_);
+      placed += layOver(std::move(model), support, {x, y}, kHeap_m, spread) ? 1 : 0;
+    }
+    count -= heap;
+  }
+  return placed;
+}
+
+int Clutter::placeLoaded(ObjectMaker base, int count, const std::vector<ObjectMaker>& makers, const Support& support,
+                         double spread) {
+  ObjectModel model = base(random_);
+  const Outline outline = outlineOf(model);
+  const std::optional<Pose> T_WO = placeModel(std::move(model), support, spread, 1);
+  if (!T_WO) return 0;
+  const Vector2d middle = 0.5 * (outline.low + outline.high);
+  const double yaw = std::atan2((*T_WO)(1, 0), (*T_WO)(0, 0));
+  const Support top{*T_WO * Vector3d(middle.x(), middle.y(), outline.z_high), 0.5 * (outline.high - outline.low), yaw,
+                    support.headroom_m - outline.z_high};
+  return 1 + fill(count, makers, top, spread);
 }
 
 int Clutter::fill(int count, const std::vector<ObjectMaker>& makers, const Support& support, double spread) {
@@ -172,7 +227,7 @@ int Clutter::fillWithBooks(int count, const Support& support) {
     const double width = at_origin.high.x() - at_origin.low.x(), depth = at_origin.high.y() - at_origin.low.y();
     if (x + width > support.half_size_m.x() - kRim_m) break;
     const double y = std::min(0.0, support.half_size_m.y() - kRim_m - depth / 2);
-    book.transform(standing(support.middle_W, support.yaw) * Eigen::Translation3d(x + width / 2, y, 0));
+    book.transform(uprightPose(support.middle_W, support.yaw) * Eigen::Translation3d(x + width / 2, y, 0));
     const Outline outline = outlineOf(book);
     x += width + kGap_m + 5e-4;
     if (outline.z_high > support.middle_W.z() + support.headroom_m || !isFree(outline)) continue;

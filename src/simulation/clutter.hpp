@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,6 +33,12 @@ class Clutter {
   /// Places `count` objects, drawn from `makers`, large ones first; fewer only if nothing fits any more. Further
   /// books may lie on a book. Returns how many.
   int fill(int count, const std::vector<ObjectMaker>& makers, const Support& support, double spread);
+  /// Lays up to `count` flat things, drawn from `makers`, about a few places of the support; they may lie over one
+  /// another, as papers do. Returns how many.
+  int scatter(int count, const std::vector<ObjectMaker>& makers, const Support& support, double spread);
+  /// Places an even box of `base` and up to `count` things on it. Returns how many objects that makes.
+  int placeLoaded(ObjectMaker base, int count, const std::vector<ObjectMaker>& makers, const Support& support,
+                  double spread);
   /// Stands books side by side in the middle of the support, until `count` stand or its width is used up.
   int fillWithBooks(int count, const Support& support);
 
@@ -42,8 +49,10 @@ class Clutter {
     double z_low = 0.0, z_high = 0.0;
   };
 
-  /// `allowed`: objects that may come of it, with the books on a book.
-  bool placeModel(ObjectModel model, const Support& support, double spread, int allowed);
+  /// Places a model and returns its pose, none if no free place was found. `allowed`: objects that may come of it,
+  /// with the books on a book.
+  std::optional<Pose> placeModel(ObjectModel model, const Support& support, double spread, int allowed);
+  bool layOver(ObjectModel model, const Support& support, const Eigen::Vector2d& about, double reach_m, double spread);
   void pileBooks(const Outline& base, const Support& support, int most);
   void commit(ObjectModel model, const Outline& outline);
   [[nodiscard]] bool isFree(const Outline& outline) const;

@@ -7,6 +7,7 @@
 #include "simulation/mesh_shapes.hpp"
 #include "simulation/print_paint.hpp"
 #include "simulation/texture_paint.hpp"
+#include "simulation/upright_pose.hpp"
 
 namespace saccade {
 namespace {
@@ -19,17 +20,6 @@ constexpr double kRoomHeight_m = 2.5, kLintel_m = 2.05;
 constexpr double kRoomCell_m = 0.08;     // walls and ceilings, where light changes slowly
 constexpr double kSurfaceCell_m = 0.02;  // where things stand and cast their shadows
 constexpr double kTile_m = 0.9;          // one repeat of a texture
-
-Pose placedAt(const Vector3d& p_W, double yaw) {
-  Pose pose = Pose::Identity();
-  pose.translate(p_W);
-  pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
-  return pose;
-}
-
-Pose placedAt(const Vector2d& p_W, double yaw) {
-  return placedAt(Vector3d(p_W.x(), p_W.y(), 0), yaw);
-}
 
 Mesh tiledRectangle(const Vector3d& corner, const Vector3d& right, const Vector3d& down, double cell_m,
                     double tile_m = kTile_m) {
@@ -53,6 +43,28 @@ Decor Decor::paint(Scene& scene, RandomStream& random) {
   decor.tiles = scene.addTexture(paintTiles(quietColor(random) * 0.5 + cv::Scalar::all(110), random));
   decor.cloth = scene.addTexture(paintCloth(random));
   decor.dark = scene.addTexture(paintMottled({62, 60, 60}, 8, random));
+  decor.steel = scene.addTexture(paintMottled({160, 163, 165}, 8, random));
+  return decor;
+}
+
+Decor Decor::paintForWork(Scene& scene, RandomStream& random) {
+  static const cv::Scalar kWoods[] = {{95, 140, 185}, {35, 52, 80}, {130, 170, 205}, {50, 75, 110}};
+  static const cv::Scalar kFloors[] = {{110, 95, 85}, {95, 95, 95}, {120, 130, 140}, {70, 75, 85}};
+  Decor decor{};
+  decor.wall = scene.addTexture(paintMottled(quietColor(random) * 0.4 + cv::Scalar::all(125), 5, random));
+  const cv::Scalar floor = kFloors[random.below(4)];
+  decor.floor = scene.addTexture(random.chance(0.75) ? paintCarpet(floor, random) : paintStone(floor, random));
+  decor.ceiling = scene.addTexture(paintMottled({228, 230, 230}, 4, random));
+  decor.wood = scene.addTexture(paintWood(kWoods[random.below(4)], random));
+  decor.board = scene.addTexture(paintMottled(anyColor(random, 0.5) * 0.85, 4, random));
+  decor.stone =
+      scene.addTexture(paintStone(random.chance(0.6) ? cv::Scalar(48, 46, 45) : cv::Scalar(150, 160, 168), random));
+  decor.stone_gloss = static_cast<float>(random.between(0.2, 0.8));
+  const cv::Scalar tiles = quietColor(random) * 0.5 + cv::Scalar::all(80);
+  decor.tiles = scene.addTexture(paintTiles(tiles, random, 4 << random.below(3)));
+  decor.cloth =
+      scene.addTexture(random.chance(0.6) ? paintMottled(quietColor(random) * 0.7, 9, random) : paintCloth(random));
+  decor.dark = scene.addTexture(paintMottled({48, 46, 46}, 8, random));
   decor.steel = scene.addTexture(paintMottled({160, 163, 165}, 8, random));
   return decor;
 }
@@ -95,13 +107,13 @@ void Furnisher::addWall(const Vector2d& a, const Vector2d& b, int texture, const
     if (z_low > 0) return;
     const double yaw = std::atan2(along.y(), along.x());
     const Vector2d middle = a + 0.5 * (from + to) * along;
-    addBox(placedAt(middle, yaw), {0, 0.008, 0}, {to - from, 0.016, 0.09}, decor_.board, 0.1);
+    addBox(uprightPose(middle, yaw), {0, 0.008, 0}, {to - from, 0.016, 0.09}, decor_.board, 0.1);
   };
   double at = 0.0;
   for (const Doorway& door : doorways) {
     piece(at, door.from_m, 0, kRoomHeight_m);
     piece(door.from_m, door.to_m, kLintel_m, kRoomHeight_m);
-    const Pose T_WF = placedAt(a, std::atan2(along.y(), along.x()));
+    const Pose T_WF = uprightPose(a, std::atan2(along.y(), along.x()));
     for (const double edge : {door.from_m, door.to_m})
       addBox(T_WF, {edge, -0.03, 0}, {0.09, 0.1, kLintel_m}, decor_.board);
     addBox(T_WF, {0.5 * (door.from_m + door.to_m), -0.03, kLintel_m - 0.03}, {door.to_m - door.from_m, 0.1, 0.09},
@@ -112,7 +124,7 @@ void Furnisher::addWall(const Vector2d& a, const Vector2d& b, int texture, const
 }
 
 void Furnisher::addPoster(const Vector3d& middle_W, double yaw, double width_m, double height_m) {
-  const Pose T_WF = placedAt(middle_W, yaw);
+  const Pose T_WF = uprightPose(middle_W, yaw);
   addBox(T_WF, {0, 0.009, -height_m / 2}, {width_m, 0.018, height_m}, random_.chance(0.5) ? decor_.dark : decor_.wood);
   Mesh picture =
       makeRectangle(Vector3d(width_m / 2 - 0.02, 0.0185, height_m / 2 - 0.02).cast<float>(),
@@ -122,7 +134,7 @@ void Furnisher::addPoster(const Vector3d& middle_W, double yaw, double width_m, 
 }
 
 Support Furnisher::addTable(const Vector2d& back_W, double yaw, double width_m, double depth_m, double height_m) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   constexpr double kTop_m = 0.03, kLeg_m = 0.05;
   addBox(T_WF, {0, depth_m / 2, height_m - kTop_m}, {width_m, depth_m, kTop_m}, decor_.wood, kSurfaceCell_m, 0.06f);
   for (const double x : {-1.0, 1.0}) {
@@ -136,7 +148,7 @@ Support Furnisher::addTable(const Vector2d& back_W, double yaw, double width_m, 
 }
 
 Support Furnisher::addCounter(const Vector2d& back_W, double yaw, double width_m) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   constexpr double kDepth_m = 0.6, kHeight_m = 0.9, kTop_m = 0.04, kDoor_m = 0.5;
   addBox(T_WF, {0, 0.29, 0.08}, {width_m, 0.56, kHeight_m - kTop_m - 0.08}, decor_.dark);
   addBox(T_WF, {0, 0.26, 0}, {width_m, 0.5, 0.08}, decor_.dark);
@@ -156,14 +168,15 @@ Support Furnisher::addCounter(const Vector2d& back_W, double yaw, double width_m
              0.4f);
     }
   }
-  addBox(T_WF, {0, kDepth_m / 2, kHeight_m - kTop_m}, {width_m, kDepth_m, kTop_m}, decor_.stone, kSurfaceCell_m, 0.15f);
+  addBox(T_WF, {0, kDepth_m / 2, kHeight_m - kTop_m}, {width_m, kDepth_m, kTop_m}, decor_.stone, kSurfaceCell_m,
+         decor_.stone_gloss);
   addBox(T_WF, {0, 0.006, kHeight_m}, {width_m, 0.012, 0.4}, decor_.tiles, 0.04, 0.2f);
   blockBox(T_WF, {0, kDepth_m / 2, 0}, {width_m, kDepth_m, kHeight_m});
   return {T_WF * Vector3d(0, kDepth_m / 2 + 0.01, kHeight_m), {width_m / 2, kDepth_m / 2 - 0.015}, yaw, 0.42};
 }
 
 Support Furnisher::addWallShelf(const Vector3d& back_W, double yaw, double width_m, double depth_m, double headroom_m) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   addBox(T_WF, {0, depth_m / 2, -0.025}, {width_m, depth_m, 0.025}, decor_.wood, kSurfaceCell_m, 0.06f);
   for (const double x : {-0.35, 0.35}) {
     addBox(T_WF, {x * width_m, 0.35 * depth_m, -0.055}, {0.02, 0.7 * depth_m, 0.03}, decor_.dark);
@@ -172,7 +185,7 @@ Support Furnisher::addWallShelf(const Vector3d& back_W, double yaw, double width
 }
 
 std::vector<Support> Furnisher::addBookcase(const Vector2d& back_W, double yaw, double width_m, double height_m) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   constexpr double kDepth_m = 0.3, kBoard_m = 0.022, kLevel_m = 0.36;
   const int texture = random_.chance(0.5) ? decor_.wood : decor_.board;
   std::vector<Support> boards;
@@ -195,7 +208,7 @@ std::vector<Support> Furnisher::addBookcase(const Vector2d& back_W, double yaw, 
 }
 
 Support Furnisher::addSideboard(const Vector2d& back_W, double yaw, double width_m) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   constexpr double kDepth_m = 0.42, kHeight_m = 0.8;
   addBox(T_WF, {0, kDepth_m / 2, 0.06}, {width_m, kDepth_m, kHeight_m - 0.06}, decor_.wood, kSurfaceCell_m, 0.06f);
   addBox(T_WF, {0, kDepth_m / 2, 0}, {width_m - 0.1, kDepth_m - 0.08, 0.06}, decor_.dark);
@@ -208,7 +221,7 @@ Support Furnisher::addSideboard(const Vector2d& back_W, double yaw, double width
 }
 
 void Furnisher::addWardrobe(const Vector2d& back_W, double yaw, double width_m) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   constexpr double kDepth_m = 0.55, kHeight_m = 2.0;
   addBox(T_WF, {0, kDepth_m / 2, 0}, {width_m, kDepth_m, kHeight_m}, decor_.wood);
   for (const double x : {-0.25, 0.25}) {
@@ -219,7 +232,7 @@ void Furnisher::addWardrobe(const Vector2d& back_W, double yaw, double width_m) 
 }
 
 Support Furnisher::addSofa(const Vector2d& back_W, double yaw, double width_m, bool deep) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   const double depth_m = deep ? 1.9 : 0.85, seat_m = 0.44, arm_m = deep ? 0.05 : 0.16;
   addBox(T_WF, {0, depth_m / 2, 0.08}, {width_m, depth_m, seat_m - 0.08}, decor_.cloth, 0.03);
   addBox(T_WF, {0, 0.1, seat_m}, {width_m, 0.2, deep ? 0.5 : 0.4}, deep ? decor_.wood : decor_.cloth, 0.04);
@@ -233,7 +246,7 @@ Support Furnisher::addSofa(const Vector2d& back_W, double yaw, double width_m, b
 }
 
 void Furnisher::addChair(const Vector2d& back_W, double yaw) {
-  const Pose T_WF = placedAt(back_W, yaw);
+  const Pose T_WF = uprightPose(back_W, yaw);
   constexpr double kSize_m = 0.42, kSeat_m = 0.45;
   addBox(T_WF, {0, kSize_m / 2, kSeat_m - 0.03}, {kSize_m, kSize_m, 0.03}, decor_.wood);
   for (const double x : {-0.18, 0.18}) {

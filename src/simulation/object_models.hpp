@@ -30,7 +30,7 @@ struct ObjectModel {
 
 using ObjectMaker = ObjectModel (*)(RandomStream&);
 
-// Packages and paper.
+// Packages and books.
 ObjectModel makeCerealBox(RandomStream& random);
 ObjectModel makeSmallBox(RandomStream& random);
 ObjectModel makeTissueBox(RandomStream& random);
@@ -38,6 +38,28 @@ ObjectModel makeMilkCarton(RandomStream& random);
 ObjectModel makeCoffeeBag(RandomStream& random);
 ObjectModel makeLyingBook(RandomStream& random);
 ObjectModel makeStandingBook(RandomStream& random);
+
+// Paper. Sheets, magazines and folders lie; the others stand or lean back.
+ObjectModel makeSheet(RandomStream& random);
+ObjectModel makeMagazine(RandomStream& random);
+ObjectModel makeFolder(RandomStream& random);
+ObjectModel makeOpenMagazine(RandomStream& random);
+ObjectModel makeBrochure(RandomStream& random);
+ObjectModel makePictureFrame(RandomStream& random);
+ObjectModel makeBinder(RandomStream& random);
+
+// What lies about in offices.
+ObjectModel makeMouse(RandomStream& random);
+ObjectModel makeGamepad(RandomStream& random);
+ObjectModel makeRemote(RandomStream& random);
+ObjectModel makePen(RandomStream& random);
+ObjectModel makePenPot(RandomStream& random);
+ObjectModel makeStapler(RandomStream& random);
+ObjectModel makePaperCup(RandomStream& random);
+ObjectModel makeStorageBox(RandomStream& random);
+ObjectModel makeParcel(RandomStream& random);
+/// A low, even box on which other things may stand.
+ObjectModel makePlinth(RandomStream& random);
 
 // Ware and what kitchens hold.
 ObjectModel makeMug(RandomStream& random);

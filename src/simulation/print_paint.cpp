@@ -250,6 +250,56 @@ cv::Mat3b paintPoster(double width_m, double height_m, RandomStream& random) {
   return image;
 }
 
+cv::Mat3b paintDocument(double width_m, double height_m, RandomStream& random) {
+  cv::Mat3b image(texelsFor(height_m), texelsFor(width_m), cv::Vec3b(228, 232, 234));
+  if (random.chance(0.2)) image.setTo(anyColor(random) * 0.3 + cv::Scalar::all(150));
+  const cv::Rect inner = part(cv::Rect(cv::Point(), image.size()), 0.09, 0.07, 0.82, 0.88);
+  const cv::Scalar ink = random.chance(0.7) ? cv::Scalar(80, 78, 75) : cv::Scalar(150, 90, 60);
+  double y = 0.0;
+  if (random.chance(0.6)) {
+    drawText(image, part(inner, 0, 0, 0.8, 0.09), brand(random), ink, 2, random);
+    y = 0.14;
+  }
+  while (y < 0.92) {
+    const double height = std::min(random.between(0.1, 0.35), 0.98 - y);
+    const int kind = random.below(6);
+    if (kind == 0) {
+      const double x = random.between(0.0, 0.4);
+      drawPicture(image, part(inner, x, y, 0.55, height), random);
+    } else if (kind == 1) {
+      cv::rectangle(image, part(inner, 0, y, 1, height), ink, 1);
+    } else {
+      drawSmallPrint(image, part(inner, 0, y, kind == 2 ? 0.46 : 1.0, height), ink, random);
+    }
+    y += height + 0.05;
+  }
+  return image;
+}
+
+cv::Mat3b paintCover(double width_m, double height_m, RandomStream& random) {
+  cv::Mat3b image(texelsFor(height_m), texelsFor(width_m));
+  const cv::Rect whole(cv::Point(), image.size());
+  const cv::Scalar ground = anyColor(random, 0.5);
+  image.setTo(ground);
+  const int style = random.below(4);
+  if (style == 0) drawPicture(image, whole, random);
+  if (style == 1) drawPicture(image, part(whole, 0.1, 0.4, 0.8, 0.5), random);
+  if (style == 2) {
+    const double y = random.between(0.3, 0.7);
+    cv::rectangle(image, part(whole, 0, y, 1, 0.28), anyColor(random), cv::FILLED);
+  }
+  const cv::Scalar ink = inkOn(ground, random);
+  const double top = random.between(0.02, 0.12);
+  if (random.chance(0.4)) cv::rectangle(image, part(whole, 0, 0, 1, top + 0.16), anyColor(random), cv::FILLED);
+  const double title_width = random.between(0.5, 0.9);
+  drawText(image, part(whole, 0.05, top, title_width, 0.13), brand(random), ink, 2, random);
+  if (random.chance(0.6)) {
+    const double y = random.between(0.25, 0.75), width = random.between(0.3, 0.8), height = random.between(0.05, 0.2);
+    drawSmallPrint(image, part(whole, 0.08, y, width, height), ink, random);
+  }
+  return image;
+}
+
 cv::Mat3b paintKeys(int columns, int rows, RandomStream& random) {
   constexpr int kKey = 16;
   const bool dark = random.chance(0.6);

@@ -21,6 +21,10 @@ namespace saccade {
 [[nodiscard]] cv::Mat3b paintWare(RandomStream& random);
 /// A picture for the wall: a landscape, an abstract print or a chart with text.
 [[nodiscard]] cv::Mat3b paintPoster(double width_m, double height_m, RandomStream& random);
+/// A page of text, with or without a heading, a table or a picture.
+[[nodiscard]] cv::Mat3b paintDocument(double width_m, double height_m, RandomStream& random);
+/// The cover of a magazine or leaflet: an even ground or a picture that fills it, a title, lines of text.
+[[nodiscard]] cv::Mat3b paintCover(double width_m, double height_m, RandomStream& random);
 /// Rows of keys on a dark or light ground.
 [[nodiscard]] cv::Mat3b paintKeys(int columns, int rows, RandomStream& random);
 

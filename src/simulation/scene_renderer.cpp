@@ -19,6 +19,7 @@ constexpr int kHighlightDoublings = 6;      // the cosine's 64th power: how tigh
 constexpr double kHighlightCosine = 0.9;    // beyond, the power is nothing
 constexpr float kHighlightGrey = 190.0f;    // grey levels that full gloss adds
 constexpr float kMirrorCosine = 0.93f;      // glossy surfaces this square to the sensor dazzle it
+constexpr float kGrazingLoss = 3.0f;        // at full gloss, of polished surfaces seen from their edge
 constexpr float kDarkestEcho_grey = 14.0f;  // surfaces darker than this give no depth at all
 constexpr float kFullEcho_grey = 60.0f;
 constexpr double kLeastCosine = 0.25;  // bounds how far a slanted surface blurs its texture
@@ -115,6 +116,8 @@ void SceneRenderer::Parts::shade(int row, int column, const TriangleHit& hit, co
     const Eigen::Vector3d normal_W = smooth.cast<double>().normalized();
     bgr += gloss * lit * kHighlightGrey * highlight(p_W, normal_W, to_eye);
     const auto square = static_cast<float>(std::abs(normal_W.dot(to_eye)));
+    // What is polished throws the projector's light away from the sensor, the more the flatter it is seen.
+    echo *= std::max(0.0f, 1.0f - kGrazingLoss * gloss * (1.0f - square) * (1.0f - square));
     if (square > kMirrorCosine) echo *= 1.0f - gloss * (square - kMirrorCosine) / (1.0f - kMirrorCosine);
   }
   images.color(row, column) =

@@ -14,7 +14,7 @@ namespace {
 constexpr float kGrazingCosine = 0.26f;    // 75 degrees: below, measurements begin to drop out
 constexpr float kEdgeStep = 0.03f;         // relative step of depth that makes an edge
 constexpr float kEdgeDropout = 0.35f;      // share of edge pixels without measurement
-constexpr float kLateralJitter_px = 1.0f;  // where along the image a depth value really comes from
+constexpr float kLateralJitter_px = 2.0f;  // where along the image a depth value really comes from, at most
 
 /// Sum of four uniform numbers, scaled to variance 1: normal enough, bounded by 3.5, and cheap.
 float roughlyNormal(std::uint64_t bits) {
@@ -22,13 +22,60 @@ float roughlyNormal(std::uint64_t bits) {
   return (sum * 0x1p-16f - 2.0f) * 1.7320508f;
 }
 
-// Places without an echo are patches, not single pixels, and stay where they are on the image for a moment.
-constexpr int kPatch_px = 5;
-constexpr std::int64_t kPatchFrames = 3;
+// The sensor matches windows of its pattern, not pixels: neighbours err together, edges waver, gaps are patches. These
+// are the sizes of what errs together; gaps stay where they are on the image for a moment.
+constexpr int kNoise_px = 3, kEdge_px = 5, kGap_px = 9;
+constexpr std::int64_t kGapFrames = 3;
 
 std::uint64_t pixelHash(std::uint64_t stream, int u, int v) {
   return mixed(stream ^
                (static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)) << 32 | static_cast<std::uint32_t>(u)));
+}
+
+/// Weights and corners of a pixel between the points of a lattice.
+struct LatticePlace {
+  int column, row;
+  float weights[4];
+
+  LatticePlace(int u, int v, int cell_px) : column(u / cell_px), row(v / cell_px) {
+    const float right = static_cast<float>(u % cell_px) / static_cast<float>(cell_px);
+    const float down = static_cast<float>(v % cell_px) / static_cast<float>(cell_px);
+    weights[0] = (1 - right) * (1 - down);
+    weights[1] = right * (1 - down);
+    weights[2] = (1 - right) * down;
+    weights[3] = right * down;
+  }
+  [[nodiscard]] std::uint64_t hash(std::uint64_t stream, int corner) const {
+    return pixelHash(stream, column + corner % 2, row + corner / 2);
+  }
+};
+
+/// A field over the image of mean 0 and variance 1 at every pixel, smooth over `cell_px`.
+float smoothNormal(std::uint64_t stream, int u, int v, int cell_px) {
+  const LatticePlace at(u, v, cell_px);
+  float sum = 0.0f, squares = 0.0f;
+  for (int corner = 0; corner < 4; ++corner) {
+    sum += at.weights[corner] * roughlyNormal(at.hash(stream, corner));
+    squares += at.weights[corner] * at.weights[corner];
+  }
+  return sum / std::sqrt(squares);
+}
+
+/// A shift in the image, smooth over `cell_px`, of at most 1 along u and v.
+Eigen::Vector2f smoothShift(std::uint64_t stream, int u, int v, int cell_px) {
+  const LatticePlace at(u, v, cell_px);
+  Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+  for (int corner = 0; corner < 4; ++corner) {
+    const std::uint64_t bits = at.hash(stream, corner);
+    sum += at.weights[corner] * Eigen::Vector2f(static_cast<float>(bits & 0xffff) * 0x1p-15f - 1.0f,
+                                                static_cast<float>(bits >> 16 & 0xffff) * 0x1p-15f - 1.0f);
+  }
+  return sum;
+}
+
+/// Where a normal variable lies in its distribution, 0..1, to within 0.01: the logistic curve.
+float shareBelow(float normal) {
+  return 1.0f / (1.0f + std::exp(-1.702f * normal));
 }
 
 }  // namespace
@@ -50,7 +97,7 @@ SensorNoise::SensorNoise(std::uint64_t seed, const Config& config) : seed_(seed)
 void SensorNoise::apply(std::int64_t frame, SceneImages& images) {
   if (config_.strength <= 0) return;
   const std::uint64_t stream = mixed(mixed(seed_) ^ static_cast<std::uint64_t>(frame));
-  applyToDepth(stream, mixed(seed_ ^ 0x9d1full) + static_cast<std::uint64_t>(frame / kPatchFrames), images);
+  applyToDepth(stream, mixed(seed_ ^ 0x9d1full) + static_cast<std::uint64_t>(frame / kGapFrames), images);
   applyToColor(mixed(stream), images.color);
 }
 
@@ -67,49 +114,43 @@ void SensorNoise::markShadows(int row, std::vector<bool>& in_shadow) const {
   }
 }
 
-void SensorNoise::applyToDepth(std::uint64_t stream, std::uint64_t patches, SceneImages& images) {
+void SensorNoise::applyToDepth(std::uint64_t stream, std::uint64_t gaps, SceneImages& images) {
   images.depth_m.copyTo(exact_);
   tbb::parallel_for(0, exact_.rows, [&](int row) {
     std::vector<bool> in_shadow(static_cast<std::size_t>(exact_.cols));
     markShadows(row, in_shadow);
     for (int u = 0; u < exact_.cols; ++u) {
-      images.depth_m(row, u) =
-          in_shadow[static_cast<std::size_t>(u)] ? 0.0f : measured(stream, patches, u, row, images);
+      images.depth_m(row, u) = in_shadow[static_cast<std::size_t>(u)] ? 0.0f : measured(stream, gaps, u, row, images);
     }
   });
 }
 
 // What the sensor reads at a pixel that its projector reaches; 0 = nothing.
-float SensorNoise::measured(std::uint64_t stream, std::uint64_t patches, int u, int v,
-                            const SceneImages& images) const {
+float SensorNoise::measured(std::uint64_t stream, std::uint64_t gaps, int u, int v, const SceneImages& images) const {
   const auto strength = static_cast<float>(config_.strength);
   const auto steps = static_cast<float>(config_.focal_px * config_.baseline_m /
                                         (config_.disparity_step_px * std::min(config_.strength, 1.0)));
-  const float jitter = kLateralJitter_px * std::min(strength, 2.0f);
-  const std::uint64_t bits = pixelHash(stream, u, v), more = mixed(bits);
-  const float sideways = static_cast<float>(more & 0xffff) * 0x1p-15f - 1.0f;
-  const float upwards = static_cast<float>(more >> 16 & 0xffff) * 0x1p-15f - 1.0f;
-  const int from_u = std::clamp(u + static_cast<int>(std::lrint(jitter * sideways)), 0, exact_.cols - 1);
-  const int from_v = std::clamp(v + static_cast<int>(std::lrint(jitter * upwards)), 0, exact_.rows - 1);
+  const Eigen::Vector2f shift =
+      kLateralJitter_px * std::min(strength, 2.0f) * smoothShift(mixed(stream ^ 0x5e), u, v, kEdge_px);
+  const int from_u = std::clamp(u + static_cast<int>(std::lrint(shift.x())), 0, exact_.cols - 1);
+  const int from_v = std::clamp(v + static_cast<int>(std::lrint(shift.y())), 0, exact_.rows - 1);
   const float here = exact_(v, u), there = exact_(from_v, from_u);
-  // Off the edges the jitter would only roughen slanted surfaces, which the axial noise already stands for.
+  // Off the edges the shift would only roughen slanted surfaces, which the axial noise already stands for.
   const bool edge = std::abs(here - there) > kEdgeStep * std::min(here, there);
   float z = edge ? there : here;
-  const float chance = static_cast<float>(more >> 32 & 0xffff) * 0x1p-16f;
+  if (z < static_cast<float>(config_.nearest_m) || z > static_cast<float>(config_.farthest_m)) return 0.0f;
   const float grazing = std::max(0.0f, 1.0f - images.cosine(v, u) / kGrazingCosine);
-  const float dropout = std::max(strength * grazing, edge ? kEdgeDropout : 0.0f);
-  if (chance < dropout || z < static_cast<float>(config_.nearest_m) || z > static_cast<float>(config_.farthest_m)) {
-    return 0.0f;
-  }
-  if (const float echo = images.echo(v, u); echo < 1.0f) {
-    const float patch = static_cast<float>(pixelHash(patches, u / kPatch_px, v / kPatch_px) >> 48) * 0x1p-16f;
-    if (0.8f * patch + 0.2f * chance < strength * (1.0f - echo)) return 0.0f;
+  // A window fails as a whole or not at all, so that weak losses hardly show.
+  const float lost = std::clamp(2.0f * strength * std::max(grazing, 1.0f - images.echo(v, u)) - 0.5f, 0.0f, 1.0f);
+  if (const float dropout = std::max(lost, edge ? kEdgeDropout : 0.0f); dropout > 0.0f) {
+    const float large = smoothNormal(gaps, u, v, kGap_px), fine = smoothNormal(mixed(gaps), u, v, kNoise_px);
+    if (dropout >= 1.0f || shareBelow(0.8f * large + 0.6f * fine) < dropout) return 0.0f;
   }
   const float sigma_m = 0.0012f + 0.0019f * (z - 0.4f) * (z - 0.4f);
   // The model's sigma holds the quantisation too; what the steps below add is taken off.
   const float step_m = z * z / steps;
   const float rest_m = std::sqrt(std::max(sigma_m * sigma_m - step_m * step_m / 12.0f, 0.0f));
-  z += strength * rest_m * roughlyNormal(bits);
+  z += strength * rest_m * smoothNormal(stream, u, v, kNoise_px);
   return steps / std::max(std::round(steps / z), 1.0f);
 }
 

@@ -101,18 +101,28 @@ cv::Mat3b paintStone(const cv::Scalar& color, RandomStream& random) {
   return shadedBy(color, levels);
 }
 
-cv::Mat3b paintTiles(const cv::Scalar& color, RandomStream& random) {
-  constexpr int kTile = 64, kTiles = 4;
-  cv::Mat3b image(kTile * kTiles, kTile * kTiles);
-  for (int row = 0; row < kTiles; ++row) {
-    for (int column = 0; column < kTiles; ++column) {
-      const cv::Rect tile(column * kTile, row * kTile, kTile, kTile);
+cv::Mat3b paintTiles(const cv::Scalar& color, RandomStream& random, int tiles) {
+  const int size = 256 / tiles;
+  cv::Mat3b image(size * tiles, size * tiles);
+  for (int row = 0; row < tiles; ++row) {
+    for (int column = 0; column < tiles; ++column) {
+      const cv::Rect tile(column * size, row * size, size, size);
       image(tile).setTo(shaded(color, random.between(-9, 9)));
       cv::rectangle(image, tile, color * 0.72, 1);
       cv::rectangle(image, tile + cv::Point(1, 1), color * 1.06, 1);
     }
   }
   return image;
+}
+
+cv::Mat3b paintCarpet(const cv::Scalar& color, RandomStream& random) {
+  const cv::Size size(384, 384);
+  const double contrast = random.between(8, 45);
+  cv::Mat1f levels = smoothNoise(size, {24, 24}, 8.0, random);
+  levels += smoothNoise(size, {6, 192}, 0.6 * contrast, random);
+  levels += smoothNoise(size, {3, 64}, 0.5 * contrast, random);
+  levels += smoothNoise(size, {190, 190}, 12.0, random);
+  return shadedBy(color, levels);
 }
 
 cv::Mat3b paintCloth(RandomStream& random) {

@@ -24,8 +24,10 @@ namespace saccade {
 [[nodiscard]] cv::Mat3b paintWood(const cv::Scalar& color, RandomStream& random);
 /// Speckled stone for counters.
 [[nodiscard]] cv::Mat3b paintStone(const cv::Scalar& color, RandomStream& random);
-/// Glazed wall tiles with joints.
-[[nodiscard]] cv::Mat3b paintTiles(const cv::Scalar& color, RandomStream& random);
+/// Glazed wall tiles with joints, `tiles` by `tiles` in a texture.
+[[nodiscard]] cv::Mat3b paintTiles(const cv::Scalar& color, RandomStream& random, int tiles = 4);
+/// Carpet: thin stripes along u of many shades.
+[[nodiscard]] cv::Mat3b paintCarpet(const cv::Scalar& color, RandomStream& random);
 /// Woven cloth: checks or stripes in two or three colours.
 [[nodiscard]] cv::Mat3b paintCloth(RandomStream& random);
 

@@ -25,6 +25,8 @@ const std::vector<SceneKind>& sceneKinds() {
   static const std::vector<SceneKind> kKinds = {
       {"desk", "a desk and a shelf with 12 objects", 120, makeDeskWorld},
       {"coffee", "a kitchenette with counter, shelves and table, 80 objects in clutter", 436, makeCoffeeWorld},
+      {"office", "a staff kitchen with papers over papers and much that is no object, 70 objects", 600,
+       makeOfficeWorld},
       {"flat", "five rooms with 300 objects, once round and back to the start", 6000, makeFlatWorld},
       {"plain", "bare walls, which hold little for tracking", 120, makePlainWorld},
   };

@@ -13,8 +13,8 @@ namespace saccade {
 /// The tools with which the kinds of scene are put together, all drawing from one seed.
 class WorldBuilder {
  public:
-  explicit WorldBuilder(std::uint64_t seed)
-      : random(seed), clutter(scene_, random), furnisher(scene_, random, clutter) {}
+  explicit WorldBuilder(std::uint64_t seed, Furnisher::PaintDecor paint = Decor::paint)
+      : random(seed), clutter(scene_, random), furnisher(scene_, random, clutter, paint) {}
 
   /// Four walls around a rectangle, floor and ceiling.
   void addRoom(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
@@ -36,6 +36,7 @@ class WorldBuilder {
 SimulatedWorld makeDeskWorld(std::uint64_t seed, std::int64_t loop_frames);
 SimulatedWorld makeCoffeeWorld(std::uint64_t seed, std::int64_t loop_frames);
 SimulatedWorld makeFlatWorld(std::uint64_t seed, std::int64_t loop_frames);
+SimulatedWorld makeOfficeWorld(std::uint64_t seed, std::int64_t loop_frames);
 SimulatedWorld makePlainWorld(std::uint64_t seed, std::int64_t loop_frames);
 
 }  // namespace saccade

@@ -24,8 +24,9 @@ struct SensorNoiseConfig {
 
 /// Makes exact images look like a Kinect's: axial noise that grows with the square of the distance
 /// (1.2 mm + 1.9 mm/m² (z - 0.4 m)², Nguyen et al. 2012), disparity steps, the projector's shadow to the left of
-/// things, ragged depth edges with dropouts, dropouts where a surface is seen at a grazing angle, gaps on dark and on
-/// mirroring places, and grey-level noise in colour.
+/// things, wavering depth edges with dropouts, gaps where a surface is seen at a grazing angle, on dark and on
+/// mirroring places, and grey-level noise in colour. Depth errs over a few pixels together, as the sensor matches
+/// windows.
 ///
 /// Every random number is a hash of (seed, frame, pixel): the same at any order of frames and any number of
 /// threads, of which it uses all. One caller at a time.
@@ -39,9 +40,8 @@ class SensorNoise {
   void apply(std::int64_t frame, SceneImages& images);
 
  private:
-  void applyToDepth(std::uint64_t stream, std::uint64_t patches, SceneImages& images);
-  [[nodiscard]] float measured(std::uint64_t stream, std::uint64_t patches, int u, int v,
-                               const SceneImages& images) const;
+  void applyToDepth(std::uint64_t stream, std::uint64_t gaps, SceneImages& images);
+  [[nodiscard]] float measured(std::uint64_t stream, std::uint64_t gaps, int u, int v, const SceneImages& images) const;
   void markShadows(int row, std::vector<bool>& in_shadow) const;
   void applyToColor(std::uint64_t stream, cv::Mat3b& color) const;
 

@@ -24,7 +24,7 @@ struct SceneKind {
   SimulatedWorld (*make)(std::uint64_t seed, std::int64_t loop_frames);
 };
 
-/// desk, coffee, flat and plain.
+/// desk, coffee, office, flat and plain.
 [[nodiscard]] const std::vector<SceneKind>& sceneKinds();
 
 /// The kind of that name; null if there is none.

@@ -95,12 +95,13 @@ TEST_P(EveryScene, MovesTheCameraLikeACarefulPerson) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, EveryScene, testing::Values("desk", "coffee", "flat", "plain"));
+INSTANTIATE_TEST_SUITE_P(Kinds, EveryScene, testing::Values("desk", "coffee", "office", "flat", "plain"));
 
 TEST(SceneKinds, HoldTheirNumberOfObjects) {
   for (const std::uint64_t seed : {0, 5, 6}) {
     EXPECT_EQ(makeWorld(*findSceneKind("desk"), seed).scene.objects().size(), 12u) << seed;
     EXPECT_EQ(makeWorld(*findSceneKind("coffee"), seed).scene.objects().size(), 80u) << seed;
+    EXPECT_EQ(makeWorld(*findSceneKind("office"), seed).scene.objects().size(), 70u) << seed;
     EXPECT_EQ(makeWorld(*findSceneKind("flat"), seed).scene.objects().size(), 300u) << seed;
     EXPECT_EQ(makeWorld(*findSceneKind("plain"), seed).scene.objects().size(), 0u) << seed;
   }
@@ -114,6 +115,26 @@ TEST(FlatScene, ReturnsToItsStart) {
     const Eigen::Vector3d start = world.cameraPose(0).translation(), end = world.cameraPose(6000).translation();
     EXPECT_LT((start - end).norm(), kTremor_m) << seed;
     EXPECT_GT((start - world.cameraPose(3000).translation()).norm(), 3.0) << seed;
+  }
+}
+
+TEST(OfficeScene, LaysPapersOverOneAnother) {
+  for (const std::uint64_t seed : {0, 1, 2, 3}) {
+    const Scene scene = makeWorld(*findSceneKind("office"), seed).scene;
+    const auto outlines = outlinesOf(scene);
+    int covered = 0;
+    for (const SceneObject& lower : scene.objects()) {
+      if (lower.kind != "sheet" && lower.kind != "magazine") continue;
+      for (const auto& [id, upper] : outlines) {
+        std::vector<cv::Point2f> common;
+        if (upper.z_low > outlines.at(lower.id).z_low + 1e-3f &&
+            cv::intersectConvexConvex(outlines.at(lower.id).hull, upper.hull, common) > 1e-3f) {
+          ++covered;
+          break;
+        }
+      }
+    }
+    EXPECT_GE(covered, 1) << seed;
   }
 }
 
