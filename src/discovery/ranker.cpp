@@ -22,6 +22,17 @@ const RankingConfig& checked(const RankingConfig& config) {
   return config;
 }
 
+double area(const cv::Rect& box) {
+  return static_cast<double>(box.width) * box.height;
+}
+
+/// Pixels that two boxes share.
+double sharedArea(const cv::Rect& a, const cv::Rect& b) {
+  const int width = std::min(a.x + a.width, b.x + b.width) - std::max(a.x, b.x);
+  const int height = std::min(a.y + a.height, b.y + b.height) - std::max(a.y, b.y);
+  return width > 0 && height > 0 ? static_cast<double>(width) * height : 0.0;
+}
+
 int sharedPixels(const Candidate& a, const Candidate& b, const Perception& seen) {
   int pixels = 0;
   if (a.source == b.source) {
@@ -69,8 +80,9 @@ struct Waiting {
 /// fall: one needs to be brought up to date only when it is the highest, and most candidates never are.
 class Queue {
  public:
-  /// `sorted`: by falling score, must outlive the queue. Overlap above `from` lowers scores.
-  Queue(const Candidates& sorted, double from) : sorted_(sorted), from_(from), is_out_(sorted.size(), 0) {
+  /// `sorted`: by falling score, must outlive the queue, as must `config`, which says what overlap costs.
+  Queue(const Candidates& sorted, const RankingConfig& config)
+      : sorted_(sorted), config_(config), is_out_(sorted.size(), 0) {
     heap_.reserve(sorted.size());
   }
 
@@ -104,12 +116,19 @@ class Queue {
  private:
   /// The share of its score that `box` keeps beside one taken.
   [[nodiscard]] double kept(const cv::Rect& taken, const cv::Rect& box) const {
-    const double over = boxIou(taken, box) - from_;
-    return over > 0.0 && power_ > 0.0 ? std::pow(1.0 - over / (1.0 - from_), power_) : 1.0;
+    if (power_ <= 0.0) return 1.0;
+    const double shared = sharedArea(taken, box);
+    if (shared <= 0.0) return 1.0;
+    const double over = shared / (area(taken) + area(box) - shared) - config_.suppress_from;
+    const double inside = shared / area(box) - config_.inside_from;
+    double share = over > 0.0 ? std::pow(1.0 - over / (1.0 - config_.suppress_from), power_) : 1.0;
+    if (inside > 0.0) share *= 1.0 - config_.inside_loss * inside / (1.0 - config_.inside_from);
+    return share;
   }
 
   const Candidates& sorted_;
-  double from_, power_ = 0.0;
+  const RankingConfig& config_;
+  double power_ = 0.0;
   std::vector<char> is_out_;
   std::vector<Waiting> heap_;
   std::vector<cv::Rect> taken_;
@@ -149,7 +168,7 @@ template <typename IsNew>
 Candidates takeBest(Candidates sorted, const RankingConfig& config, const IsNew& isNew) {
   const bool suppress = config.suppress && !config.paper;
   const auto top_k = static_cast<std::size_t>(config.top_k);
-  Queue queue(sorted, config.suppress_from);
+  Queue queue(sorted, config);
   const double cover_power = std::max(config.suppress_power, config.cover_power);  // no score may rise again
   queue.restart(!suppress ? 0.0 : top_k > 0 ? config.suppress_power : cover_power);
   std::vector<const Candidate*> better;
@@ -178,11 +197,8 @@ Candidates takeBest(Candidates sorted, const RankingConfig& config, const IsNew&
 }  // namespace
 
 double boxIou(const cv::Rect& a, const cv::Rect& b) {
-  const int width = std::min(a.x + a.width, b.x + b.width) - std::max(a.x, b.x);
-  const int height = std::min(a.y + a.height, b.y + b.height) - std::max(a.y, b.y);
-  if (width <= 0 || height <= 0) return 0.0;
-  const double shared = static_cast<double>(width) * height;
-  return shared / (static_cast<double>(a.width) * a.height + static_cast<double>(b.width) * b.height - shared);
+  const double shared = sharedArea(a, b);
+  return shared > 0.0 ? shared / (area(a) + area(b) - shared) : 0.0;
 }
 
 double maskIou(const Candidate& a, const Candidate& b, const Perception& seen) {

@@ -25,6 +25,7 @@ class PoolReader {
       if (status != ReadStatus::kFrame || frame.label.empty() || frame.depth_m.empty()) continue;
       preparation_.prepare(frame.depth_m, source->description().camera, depth_);
       perceiver_.perceive(frame.color, &depth_, seen_);
+      coverage_ = static_cast<double>(cv::countNonZero(frame.depth_m > 0)) / static_cast<double>(frame.depth_m.total());
       pools.push_back(judge(frame.label, rules));
     }
   }
@@ -59,7 +60,9 @@ class PoolReader {
     return pool;
   }
 
+  /// Where depth was cut to the objects, as in some sets of labelled frames, its absence tells of the cut.
   [[nodiscard]] bool trusted(const Candidate& candidate) const {
+    if (coverage_ >= config_.full_coverage) return true;
     int with_depth = 0;
     for (const std::int32_t id : candidate.segments) with_depth += seen_.table(candidate.source).sums(id).depth_count;
     return with_depth >= config_.min_negative_depth * candidate.area &&
@@ -72,6 +75,7 @@ class PoolReader {
   DepthPreparation preparation_;
   DepthMaps depth_;
   Perception seen_;
+  double coverage_ = 0.0;  ///< share of the frame's pixels with depth
 };
 
 }  // namespace

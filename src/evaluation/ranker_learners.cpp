@@ -87,7 +87,36 @@ float gradedTarget(double overlap, const TreesLearnerConfig& config) {
       std::clamp((overlap - config.no_object) / (config.whole_object - config.no_object), 0.0, 1.0));
 }
 
-// Every frame weighs the same, however many candidates it has.
+// Every frame weighs the same, however many candidates it has; of an object's candidates each weighs the less the more
+// there are, so that large things, of which there are many, do not decide alone.
+std::vector<float> balancedWeights(const LabelledPool& pool, const std::vector<std::size_t>& chosen,
+                                   const TreesLearnerConfig& config) {
+  std::vector<int> candidates_of(pool.object_ids.size(), 0);
+  for (const std::size_t i : chosen) {
+    for (const int object : pool.shows[i]) ++candidates_of[static_cast<std::size_t>(object)];
+  }
+  std::vector<double> weights(chosen.size(), 1.0);
+  double weight_of_objects = 0.0, objects = 0.0;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const std::vector<int>& shows = pool.shows[chosen[k]];
+    if (shows.empty()) continue;
+    const int fewest =
+        candidates_of[static_cast<std::size_t>(*std::min_element(shows.begin(), shows.end(), [&](int a, int b) {
+          return candidates_of[static_cast<std::size_t>(a)] < candidates_of[static_cast<std::size_t>(b)];
+        }))];
+    weights[k] = std::pow(fewest, -config.balance);
+    weight_of_objects += weights[k];
+    objects += 1.0;
+  }
+  const double frame = static_cast<double>(config.others_per_frame) / static_cast<double>(chosen.size());
+  std::vector<float> result;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const bool shows_one = !pool.shows[chosen[k]].empty();
+    result.push_back(static_cast<float>(frame * weights[k] * (shows_one ? objects / weight_of_objects : 1.0)));
+  }
+  return result;
+}
+
 BoostingExamples chooseTreeExamples(const Pools& pools, FeatureSet set, bool with_depth,
                                     const TreesLearnerConfig& config, int seed) {
   BoostingExamples examples;
@@ -106,8 +135,8 @@ BoostingExamples chooseTreeExamples(const Pools& pools, FeatureSet set, bool wit
       appendFeatures(pool.candidates[i], set, with_depth, examples.rows);
       examples.targets.push_back(gradedTarget(pool.overlaps[i], config));
     }
-    const float weight = static_cast<float>(config.others_per_frame) / static_cast<float>(chosen.size());
-    examples.weights.resize(examples.targets.size(), weight);
+    const std::vector<float> weights = balancedWeights(pool, chosen, config);
+    examples.weights.insert(examples.weights.end(), weights.begin(), weights.end());
   }
   return examples;
 }

@@ -13,10 +13,12 @@ namespace saccade {
 namespace {
 
 constexpr int kBlock = 16;
-constexpr double kOpenShare = 0.3;  // of the time between frames: 1/100 s
-constexpr double kLongestBlur_px = 8.0;
+constexpr double kShortestOpen = 0.2, kLongestOpen = 0.7;  // shares of the time between frames: 1/150 to 1/43 s
+constexpr double kLongestBlur_px = 12.0;
 constexpr double kBrightnessDrift = 0.07, kTintDrift = 0.025;
-constexpr double kLensSigma_px = 0.55;
+// Cameras differ: in how soft their lens is and how steep their curve, which burns highlights out and drowns shadows.
+constexpr double kSharpest_px = 0.5, kSoftest_px = 0.9;
+constexpr double kSteepest = 1.7, kMiddleGrey = 115.0;
 
 }  // namespace
 
@@ -24,6 +26,9 @@ Exposure::Exposure(std::uint64_t seed, double strength, const PinholeCamera& cam
     : strength_(strength), camera_(camera) {
   RandomStream random(seed ^ 0x6578706f73757265u);
   for (double& phase : phase_) phase = random.between(0, 2 * std::numbers::pi);
+  open_share_ = random.between(kShortestOpen, kLongestOpen);
+  lens_sigma_px_ = random.between(kSharpest_px, kSoftest_px);
+  contrast_ = random.between(1.0, kSteepest);
 }
 
 // A block moves as its middle does; taps are spread evenly over the way.
@@ -32,7 +37,7 @@ void Exposure::blurBlock(const cv::Rect& block, const cv::Mat1f& depth_m, const 
   const double z = depth_m(v, u) > 0 ? static_cast<double>(depth_m(v, u)) : 2.0;
   const Eigen::Vector3d p_N = T_NC * camera_.unproject(u, v, z);
   if (!(p_N.z() > 0)) return;
-  Eigen::Vector2d way = strength_ * kOpenShare * (camera_.project(p_N) - Eigen::Vector2d(u, v));
+  Eigen::Vector2d way = strength_ * open_share_ * (camera_.project(p_N) - Eigen::Vector2d(u, v));
   const double length = way.norm();
   if (length < 0.7) return;
   way *= std::min(1.0, kLongestBlur_px / length);
@@ -59,7 +64,7 @@ void Exposure::blurBlock(const cv::Rect& block, const cv::Mat1f& depth_m, const 
 
 void Exposure::apply(std::int64_t frame, const cv::Mat1f& depth_m, const Pose& T_NC, cv::Mat3b& color) {
   if (strength_ <= 0) return;
-  cv::GaussianBlur(color, sharp_, cv::Size(3, 3), kLensSigma_px);
+  cv::GaussianBlur(color, sharp_, cv::Size(5, 5), lens_sigma_px_);
   sharp_.copyTo(color);
   const cv::Rect image(cv::Point(0, 0), color.size());
   tbb::parallel_for(0, (color.rows + kBlock - 1) / kBlock, [&](int row) {
@@ -76,9 +81,10 @@ void Exposure::apply(std::int64_t frame, const cv::Mat1f& depth_m, const Pose& T
   const double warmth = drift * kTintDrift * wave(410, phase_[2]);
   cv::Mat3b curves(1, 256);
   for (int level = 0; level < 256; ++level) {
+    const double grey = kMiddleGrey + contrast_ * (level - kMiddleGrey);
     curves(level) =
-        cv::Vec3b(cv::saturate_cast<uchar>(level * gain * (1 - warmth)), cv::saturate_cast<uchar>(level * gain),
-                  cv::saturate_cast<uchar>(level * gain * (1 + warmth)));
+        cv::Vec3b(cv::saturate_cast<uchar>(grey * gain * (1 - warmth)), cv::saturate_cast<uchar>(grey * gain),
+                  cv::saturate_cast<uchar>(grey * gain * (1 + warmth)));
   }
   cv::LUT(color, curves, color);
 }

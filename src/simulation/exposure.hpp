@@ -9,8 +9,9 @@
 
 namespace saccade {
 
-/// What happens to colour while the shutter of a hand-held camera is open: motion blur, a soft lens, and an exposure
-/// and white balance that drift slowly. A pure function of the seed, the frame and the images.
+/// What happens to colour while the shutter of a hand-held camera is open: motion blur, a soft lens, the camera's
+/// curve, and an exposure and white balance that drift slowly. Cameras differ from seed to seed. A pure function of the
+/// seed, the frame and the images.
 class Exposure {
  public:
   /// `strength` scales blur and drift; 0 leaves the images as they are.
@@ -25,6 +26,9 @@ class Exposure {
   double strength_;
   PinholeCamera camera_;
   double phase_[3];
+  double open_share_;  ///< of the time between frames; the darker a room, the longer
+  double lens_sigma_px_;
+  double contrast_;  ///< slope of the curve about middle grey
   cv::Mat3b sharp_;
 };
 

@@ -22,6 +22,8 @@ struct RankingConfig {
   double suppress_from = 0.3;
   double suppress_power = 0.25;
   double cover_power = 0.25;
+  double inside_from = 0.6;
+  double inside_loss = 0.1;
   double min_score = 0.07;
   double unmeasured_weight = 0.5;
   FeatureConfig features;
@@ -41,6 +43,10 @@ struct RankingConfig {
     v.number("suppress_power", suppress_power, {0.0, 100.0}, "", "how steeply the score falls to 0 at full overlap");
     v.number("cover_power", cover_power, {0.0, 100.0}, "",
              "the same (if steeper) for candidates after the first top_k: 1 misses least and repeats nothing");
+    v.number("inside_from", inside_from, {0.0, 1.0}, "",
+             "share of a box inside a better one's from which score is lost besides");
+    v.number("inside_loss", inside_loss, {0.0, 1.0}, "",
+             "share of its score that a box wholly inside a better one loses");
     v.number("min_score", min_score, {0.0, 1.0}, "",
              "the list ends after the first top_k where scores fall below this; 0 with cover_power 1 misses least");
     v.number("unmeasured_weight", unmeasured_weight, {0.0, 1.0}, "",
@@ -65,9 +71,9 @@ class Ranker {
   /// `max_convexities` of them are scored again with their own, unless `config.paper`. Duplicates (masks alike) keep
   /// the better score only. With suppression the score of a candidate is the model's probability, lowered by its
   /// overlap with those ranked before it (as Bodla et al. 2017), by `suppress_power` among the first `top_k`, which are
-  /// attended, by `cover_power` after them. There the list ends with the last score of `min_score` or more, unless
-  /// `config.paper`. In frames with depth, candidates that it does not show (`has_depth`) weigh `unmeasured_weight`,
-  /// unless `config.paper`.
+  /// attended, by `cover_power` after them, and by up to `inside_loss` if it lies inside one of them. There the list
+  /// ends with the last score of `min_score` or more, unless `config.paper`. In frames with depth, candidates that it
+  /// does not show (`has_depth`) weigh `unmeasured_weight`, unless `config.paper`.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
 
   /// rank(), cut to `k`.

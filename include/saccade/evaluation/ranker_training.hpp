@@ -33,6 +33,7 @@ struct TreesLearnerConfig {
   double no_object = 0.25;
   double whole_object = 0.75;
   int others_per_frame = 200;
+  double balance = 0.5;
   std::vector<double> counts = {200.0};
   std::vector<double> questions = {6.0};
   double rate = 0.1;
@@ -43,6 +44,8 @@ struct TreesLearnerConfig {
     v.number("whole_object", whole_object, {0.5, 1.0}, "", "box overlap from which it is worth 1");
     v.integer("others_per_frame", others_per_frame, {1, 100000}, "",
               "examples worth less than 0.5 from one frame; of the others all are taken");
+    v.number("balance", balance, {0.0, 1.0}, "",
+             "0: every candidate of an object weighs the same; 1: all candidates of an object as much as another's");
     v.numbers("counts", counts, {1, 10000}, "", "numbers of trees that are tried");
     v.numbers("questions", questions, {1, BoostedTrees::kMostQuestions}, "", "numbers of questions a tree, tried");
     v.number("rate", rate, {1e-3, 1.0}, "", "by which each tree's correction is shortened");
@@ -58,6 +61,7 @@ struct RankerTrainingConfig {
   double positive_iou = 0.55;
   double negative_iou = 0.5;
   double min_negative_depth = 0.5;
+  double full_coverage = 0.75;
   int folds = 2;
   bool ablation = false;
   int seed = 1;
@@ -71,6 +75,8 @@ struct RankerTrainingConfig {
     v.number("negative_iou", negative_iou, {0.0, 1.0}, "", "box and mask overlap below which it is none");
     v.number("min_negative_depth", min_negative_depth, {0.0, 1.0}, "",
              "share of a negative's mask and of its outline that must have depth");
+    v.number("full_coverage", full_coverage, {0.0, 1.0}, "",
+             "share of a frame's pixels with depth from which negatives are taken without it, too");
     v.integer("folds", folds, {2, 100}, "", "cross-validation: parts of consecutive frames of each input");
     v.flag("ablation", ablation, "cross-validate without each feature in turn too, to tell what each is worth");
     v.integer("seed", seed, {0, 1000000000}, "", "chooses the examples");

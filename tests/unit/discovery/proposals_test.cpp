@@ -224,6 +224,24 @@ TEST(Suppression, EndsTheListWhereScoresFallBelowTheLeastButNotAmongTheFirstTopK
   EXPECT_EQ(left(1, 0.2, true), 4U);
 }
 
+TEST(Suppression, LowersWhatLiesInsideABetterOneByTheShareThatDoes) {
+  Candidates sorted(4);
+  sorted[0].box = {0, 0, 100, 100};
+  sorted[1].box = {10, 10, 20, 20};   // wholly inside
+  sorted[2].box = {84, 40, 20, 10};   // four fifths inside
+  sorted[3].box = {-10, 70, 20, 10};  // half inside
+  const std::array<double, 4> scores{0.9, 0.8, 0.6, 0.5};
+  for (std::size_t i = 0; i < 4; ++i) sorted[i].score = scores[i];
+  RankingConfig config;
+  config.inside_from = 0.6;
+  config.inside_loss = 0.2;
+  suppressOverlapping(sorted, config);
+  ASSERT_EQ(sorted.size(), 4U);
+  EXPECT_DOUBLE_EQ(sorted[1].score, 0.8 * 0.8);
+  EXPECT_DOUBLE_EQ(sorted[2].score, 0.6 * 0.9);
+  EXPECT_EQ(sorted[3].score, 0.5);
+}
+
 TEST(Suppression, SwitchedOffLeavesTheOrder) {
   Candidates sorted(3);
   for (std::size_t i = 0; i < 3; ++i) {
