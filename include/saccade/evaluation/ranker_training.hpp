@@ -34,8 +34,8 @@ struct TreesLearnerConfig {
   double whole_object = 0.75;
   int others_per_frame = 200;
   double balance = 0.5;
-  std::vector<double> counts = {200.0};
-  std::vector<double> questions = {6.0};
+  std::vector<double> counts = {300.0};
+  std::vector<double> questions = {8.0};
   double rate = 0.1;
   double ridge = 5.0;
 
