@@ -96,7 +96,7 @@ void Clutter::commit(ObjectModel model, const Outline& outline) {
   taken_.push_back(outline);
 }
 
-std::optional<Pose> Clutter::placeModel(ObjectModel model, const Support& support, double spread, int allowed) {
+std::optional<Pose> Clutter::placeModel(const ObjectModel& model, const Support& support, double spread, int allowed) {
   const Vector2d half = support.half_size_m - Vector2d::Constant(kRim_m);
   for (int attempt = 0; attempt < kTries; ++attempt) {
     const double yaw = random_.between(-spread, spread);
@@ -139,7 +139,8 @@ bool Clutter::place(ObjectMaker make, const Support& support, double spread) {
   return placeModel(make(random_), support, spread, 1).has_value();
 }
 
-bool Clutter::layOver(ObjectModel model, const Support& support, const Vector2d& about, double reach_m, double spread) {
+bool Clutter::layOver(const ObjectModel& model, const Support& support, const Vector2d& about, double reach_m,
+                      double spread) {
   constexpr double kFlat_m = 0.04;  // what is higher carries no paper
   const Vector2d half = support.half_size_m - Vector2d::Constant(kRim_m);
   for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -176,8 +177,9 @@ int Clutter::scatter(int count, const std::vector<ObjectMaker>& makers, const Su
     const double x = random_.between(-0.8, 0.8) * support.half_size_m.x();
     const double y = random_.between(-0.7, 0.7) * support.half_size_m.y();
     for (int i = 0; i < heap; ++i) {
-      ObjectModel model = makers[static_cast<std::size_t>(random_.below(static_cast<int>(makers.size())))](random_);
-      placed += layOver(std::move(model), support, {x, y}, kHeap_m, spread) ? 1 : 0;
+      const ObjectModel model =
+          makers[static_cast<std::size_t>(random_.below(static_cast<int>(makers.size())))](random_);
+      placed += layOver(model, support, {x, y}, kHeap_m, spread) ? 1 : 0;
     }
     count -= heap;
   }
@@ -186,9 +188,9 @@ int Clutter::scatter(int count, const std::vector<ObjectMaker>& makers, const Su
 
 int Clutter::placeLoaded(ObjectMaker base, int count, const std::vector<ObjectMaker>& makers, const Support& support,
                          double spread) {
-  ObjectModel model = base(random_);
+  const ObjectModel model = base(random_);
   const Outline outline = outlineOf(model);
-  const std::optional<Pose> T_WO = placeModel(std::move(model), support, spread, 1);
+  const std::optional<Pose> T_WO = placeModel(model, support, spread, 1);
   if (!T_WO) return 0;
   const Vector2d middle = 0.5 * (outline.low + outline.high);
   const double yaw = std::atan2((*T_WO)(1, 0), (*T_WO)(0, 0));
@@ -208,8 +210,8 @@ int Clutter::fill(int count, const std::vector<ObjectMaker>& makers, const Suppo
   }
   std::stable_sort(models.begin(), models.end(),
                    [](const ObjectModel& a, const ObjectModel& b) { return groundArea(a) > groundArea(b); });
-  for (ObjectModel& model : models) {
-    if (placed() < count) placeModel(std::move(model), support, spread, count - placed());
+  for (const ObjectModel& model : models) {
+    if (placed() < count) placeModel(model, support, spread, count - placed());
   }
   // What found no place is replaced by other draws, of which some are small.
   for (int attempt = 0; placed() < count && attempt < 8 * count; ++attempt) {

@@ -51,8 +51,9 @@ class Clutter {
 
   /// Places a model and returns its pose, none if no free place was found. `allowed`: objects that may come of it,
   /// with the books on a book.
-  std::optional<Pose> placeModel(ObjectModel model, const Support& support, double spread, int allowed);
-  bool layOver(ObjectModel model, const Support& support, const Eigen::Vector2d& about, double reach_m, double spread);
+  std::optional<Pose> placeModel(const ObjectModel& model, const Support& support, double spread, int allowed);
+  bool layOver(const ObjectModel& model, const Support& support, const Eigen::Vector2d& about, double reach_m,
+               double spread);
   void pileBooks(const Outline& base, const Support& support, int most);
   void commit(ObjectModel model, const Outline& outline);
   [[nodiscard]] bool isFree(const Outline& outline) const;
