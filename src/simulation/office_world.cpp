@@ -57,7 +57,7 @@ class OfficeBuilder {
   Support furnishBackWall() {
     RandomStream& random = world_.random;
     const double width = random.between(2.4, 3.0), middle = 0.62 + width / 2;
-    const Support counter = furnish_.addCounter({middle, 0}, 0, width);
+    Support counter = furnish_.addCounter({middle, 0}, 0, width);
     if (random.chance(0.6)) furnish_.addSink({middle + random.between(-0.6, 0.6), 0.34, 0.9}, 0);
     if (random.chance(0.6)) furnish_.addWallCupboards({middle, 0}, 0, width, random.between(1.45, 1.6));
     furnish_.addLeaflets({0.7 + width, 0, 1.2}, 0, -width, 5 + random.below(5));
@@ -71,7 +71,7 @@ class OfficeBuilder {
   Support furnishSideWall() {
     RandomStream& random = world_.random;
     const double width = random.between(1.6, 2.2), middle = 0.62 + width / 2;
-    const Support counter = furnish_.addCounter({0, middle}, -kQuarterTurn, width);
+    Support counter = furnish_.addCounter({0, middle}, -kQuarterTurn, width);
     const double sockets_at = middle + random.between(-0.5, 0.5);
     furnish_.addSockets({0, sockets_at, 1.1}, -kQuarterTurn, 1 + random.below(3));
     cableAlong({0, middle + 0.5, 1.6}, {0, middle - random.between(0.0, 0.6), 0.95}, -kQuarterTurn);
@@ -87,8 +87,7 @@ class OfficeBuilder {
 
   Support furnishRightWall() {
     RandomStream& random = world_.random;
-    const Support shelf =
-        furnish_.addWallShelf({kHigh.x(), 1.5, random.between(0.95, 1.15)}, kQuarterTurn, 1.8, 0.26, 0.45);
+    Support shelf = furnish_.addWallShelf({kHigh.x(), 1.5, random.between(0.95, 1.15)}, kQuarterTurn, 1.8, 0.26, 0.45);
     furnish_.addWallScreen({kHigh.x(), 1.5, 1.85}, kQuarterTurn, random.between(0.9, 1.4));
     furnish_.addSockets({kHigh.x(), 1.4, 0.35}, kQuarterTurn, 2);
     for (int i = 0; i < 3; ++i) {
@@ -110,7 +109,7 @@ class OfficeBuilder {
     RandomStream& random = world_.random;
     const double width = random.between(1.3, 1.8), depth = random.between(0.75, 1.0);
     const double x = random.between(2.3, 2.8), y = random.between(1.75, 2.05);
-    const Support table = furnish_.addTable({x, y}, 0, width, depth, random.between(0.7, 0.76));
+    Support table = furnish_.addTable({x, y}, 0, width, depth, random.between(0.7, 0.76));
     const bool swivel = random.chance(0.3);
     const auto chair = [&](double cx, double cy, double yaw) {
       if (!random.chance(0.8)) return;

@@ -33,7 +33,8 @@ void drawText(cv::Mat3b& image, const cv::Rect& area, const std::string& text, c
   const int font = kFonts[random.below(4)];
   int baseline = 0;
   const cv::Size unit = cv::getTextSize(text, font, 1.0, weight, &baseline);
-  const double scale = std::min(0.9 * area.width / unit.width, 0.85 * area.height / (unit.height + baseline / 2));
+  const int descent = baseline / 2;
+  const double scale = std::min(0.9 * area.width / unit.width, 0.85 * area.height / (unit.height + descent));
   const cv::Size size = cv::getTextSize(text, font, scale, weight, &baseline);
   cv::putText(image, text, {area.x + (area.width - size.width) / 2, area.y + (area.height + size.height) / 2}, font,
               scale, ink, weight, cv::LINE_AA);
