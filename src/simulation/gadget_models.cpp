@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "simulation/mesh_shapes.hpp"
+#include "simulation/model_parts.hpp"
 #include "simulation/object_models.hpp"
 #include "simulation/print_paint.hpp"
 #include "simulation/texture_paint.hpp"
@@ -14,21 +15,12 @@ using Eigen::Vector3f;
 
 constexpr double kQuarterTurn = 3.14159265358979 / 2;
 
-float size(RandomStream& random, double low, double high) {
-  return static_cast<float>(random.between(low, high));
-}
-
 /// Turns a mesh that stands along z so that it lies along x, its axis at `height_m`.
 Mesh lying(Mesh mesh, float height_m, const Vector3d& shift = Vector3d::Zero()) {
   Pose lie = Pose::Identity();
   lie.translation() = shift + Vector3d(0, 0, static_cast<double>(height_m));
   lie.rotate(Eigen::AngleAxisd(kQuarterTurn, Vector3d::UnitY()));
   mesh.transform(lie);
-  return mesh;
-}
-
-Mesh movedTo(Mesh mesh, const Vector3d& shift) {
-  mesh.transform(Pose(Eigen::Translation3d(shift)));
   return mesh;
 }
 

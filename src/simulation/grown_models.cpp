@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "simulation/mesh_shapes.hpp"
+#include "simulation/model_parts.hpp"
 #include "simulation/object_models.hpp"
 #include "simulation/texture_paint.hpp"
 
@@ -10,10 +11,6 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-
-float size(RandomStream& random, double low, double high) {
-  return static_cast<float>(random.between(low, high));
-}
 
 Mesh makeStalk(float from_z_m, float length_m) {
   return makeTube({{0, 0, from_z_m}, {0.001f, 0, from_z_m + length_m / 2}, {0.004f, 0, from_z_m + length_m}},

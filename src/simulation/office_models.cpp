@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "simulation/mesh_shapes.hpp"
+#include "simulation/model_parts.hpp"
 #include "simulation/object_models.hpp"
 #include "simulation/print_paint.hpp"
 #include "simulation/texture_paint.hpp"
@@ -12,15 +13,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kQuarterTurn = 3.14159265358979 / 2;
-
-float size(RandomStream& random, double low, double high) {
-  return static_cast<float>(random.between(low, high));
-}
-
-Mesh movedTo(Mesh mesh, const Vector3d& shift) {
-  mesh.transform(Pose(Eigen::Translation3d(shift)));
-  return mesh;
-}
 
 /// Narrows or widens what stands on z = 0 linearly up to `height_m`.
 void taper(Mesh& mesh, float height_m, float factor_above) {

@@ -1,16 +1,13 @@
 #include <cmath>
 
 #include "simulation/mesh_shapes.hpp"
+#include "simulation/model_parts.hpp"
 #include "simulation/object_models.hpp"
 #include "simulation/print_paint.hpp"
 #include "simulation/texture_paint.hpp"
 
 namespace saccade {
 namespace {
-
-float size(RandomStream& random, double low, double high) {
-  return static_cast<float>(random.between(low, high));
-}
 
 ObjectModel makePackage(const char* kind, const Eigen::Vector3f& size_m, RandomStream& random) {
   ObjectModel model{kind, {}};

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "simulation/mesh_shapes.hpp"
+#include "simulation/model_parts.hpp"
 #include "simulation/object_models.hpp"
 #include "simulation/print_paint.hpp"
 #include "simulation/texture_paint.hpp"
@@ -12,10 +13,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kQuarterTurn = 3.14159265358979 / 2;
-
-float size(RandomStream& random, double low, double high) {
-  return static_cast<float>(random.between(low, high));
-}
 
 Vector3d asDouble(const Vector3f& v) {
   return v.cast<double>();

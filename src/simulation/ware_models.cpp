@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "simulation/mesh_shapes.hpp"
+#include "simulation/model_parts.hpp"
 #include "simulation/object_models.hpp"
 #include "simulation/print_paint.hpp"
 #include "simulation/texture_paint.hpp"
@@ -12,10 +13,6 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 constexpr float kWall_m = 0.004f;
-
-float size(RandomStream& random, double low, double high) {
-  return static_cast<float>(random.between(low, high));
-}
 
 /// Half a ring in the plane y = 0 from (x, high) out to x + reach and back to (x, low).
 Mesh makeHandle(float x_m, float low_m, float high_m, float reach_m, float radius_m) {
