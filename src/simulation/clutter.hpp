@@ -39,6 +39,8 @@ class Clutter {
   /// Places an even box of `base` and up to `count` things on it. Returns how many objects that makes.
   int placeLoaded(ObjectMaker base, int count, const std::vector<ObjectMaker>& makers, const Support& support,
                   double spread);
+  /// Stands up to `count` things one behind the other, each partly hidden by the one in front. Returns how many.
+  int stagger(int count, const std::vector<ObjectMaker>& makers, const Support& support, double spread);
   /// Stands books side by side in the middle of the support, until `count` stand or its width is used up.
   int fillWithBooks(int count, const Support& support);
 

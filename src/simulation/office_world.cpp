@@ -23,6 +23,8 @@ const std::vector<ObjectMaker> kOnCounter = {makePictureFrame, makeBrochure,  ma
 const std::vector<ObjectMaker> kStanding = {makeBrochure,     makePictureFrame, makeOpenMagazine, makeBinder,
                                             makeBrochure,     makeStandingBook, makeClock,        makePlant,
                                             makePictureFrame, makeMouse,        makeBrochure,     makeStorageBox};
+const std::vector<ObjectMaker> kUpright = {makeBrochure,     makeStandingBook, makeBrochure,  makePictureFrame,
+                                           makeOpenMagazine, makeBinder,       makeCerealBox, makeBrochure};
 const std::vector<ObjectMaker> kOnPlinth = {makePictureFrame, makeGamepad, makeBrochure, makeMug,
                                             makeSmallBox,     makeRemote,  makeMouse,    makeClock};
 
@@ -134,8 +136,14 @@ class OfficeBuilder {
     int placed = clutter_.fill(10, kStanding, shelf, 0.25);
     if (random.chance(0.6)) placed += clutter_.place(makeCoffeeMachine, side, 0.2) ? 1 : 0;
     if (random.chance(0.5)) placed += clutter_.place(makeToaster, back, 0.4) ? 1 : 0;
-    for (const Support* counter : {&side, &back, &back}) {
+    const std::vector<const Support*> counters = {&side, &back, &back, &side, &side};
+    const int plinths = 3 + random.below(3);
+    for (int i = 0; i < plinths; ++i) {
+      const Support* counter = counters[static_cast<std::size_t>(i)];
       placed += clutter_.placeLoaded(makePlinth, 1 + random.below(3), kOnPlinth, *counter, 0.5);
+    }
+    for (const Support* counter : {&side, &back, &side}) {
+      placed += clutter_.stagger(2 + random.below(2), kUpright, *counter, 0.4);
     }
     placed += clutter_.scatter(7 + random.below(6), kPapers, table, 3.1);
     placed += clutter_.fill(5 + random.below(6), kOnTable, table, 1.5);

@@ -88,6 +88,13 @@ void SensorNoiseConfig::describe(ConfigVisitor& visitor) {
   visitor.number("nearest_m", nearest_m, {0.0, 100.0}, "m", "no depth below");
   visitor.number("farthest_m", farthest_m, {0.0, 1000.0}, "m", "no depth beyond");
   visitor.number("color_sigma", color_sigma, {0.0, 100.0}, "grey levels", "standard deviation of colour noise");
+  visitor.number("view_share", view_share, {0.1, 10.0}, "",
+                 "share of the colour image's width that the depth camera sees");
+  visitor.number("view_right_px", view_right_px, {-1e4, 1e4}, "px",
+                 "by which its view lies to the right of the middle");
+  visitor.number("view_down_px", view_down_px, {-1e4, 1e4}, "px", "by which its view lies below the middle");
+  visitor.number("camera_left_m", camera_left_m, {-10.0, 10.0}, "m",
+                 "by which it stands to the left of the colour camera");
 }
 
 SensorNoise::SensorNoise(std::uint64_t seed, const Config& config) : seed_(seed), config_(config) {
@@ -125,6 +132,14 @@ void SensorNoise::applyToDepth(std::uint64_t stream, std::uint64_t gaps, SceneIm
   });
 }
 
+bool SensorNoise::isInView(int u, int v, float z) const {
+  const double parallax_px = config_.focal_px * config_.camera_left_m / static_cast<double>(z);
+  const double right_px = u + 0.5 - exact_.cols / 2.0 - config_.view_right_px + parallax_px;
+  const double down_px = v + 0.5 - exact_.rows / 2.0 - config_.view_down_px;
+  return 2 * std::abs(right_px) <= config_.view_share * exact_.cols &&
+         2 * std::abs(down_px) <= config_.view_share * exact_.rows;
+}
+
 // What the sensor reads at a pixel that its projector reaches; 0 = nothing.
 float SensorNoise::measured(std::uint64_t stream, std::uint64_t gaps, int u, int v, const SceneImages& images) const {
   const auto strength = static_cast<float>(config_.strength);
@@ -139,6 +154,7 @@ float SensorNoise::measured(std::uint64_t stream, std::uint64_t gaps, int u, int
   const bool edge = std::abs(here - there) > kEdgeStep * std::min(here, there);
   float z = edge ? there : here;
   if (z < static_cast<float>(config_.nearest_m) || z > static_cast<float>(config_.farthest_m)) return 0.0f;
+  if (!isInView(u, v, z)) return 0.0f;
   const float grazing = std::max(0.0f, 1.0f - images.cosine(v, u) / kGrazingCosine);
   // A window fails as a whole or not at all, so that weak losses hardly show.
   const float lost = std::clamp(2.0f * strength * std::max(grazing, 1.0f - images.echo(v, u)) - 0.5f, 0.0f, 1.0f);

@@ -36,11 +36,19 @@ Number parseValue(const std::string& input, std::string_view key, std::string_vi
   return value;
 }
 
-/// Sensors differ in how near they see, from the near mode's 0.4 m to the 0.8 m of an ordinary Kinect.
+/// Sensors differ in how near they see, from the near mode's 0.4 m to the 0.8 m of an ordinary Kinect, and in whether
+/// the depth camera sees all that the colour camera beside it sees.
 SensorNoiseConfig noiseOf(const SimulationRequest& request) {
+  constexpr double kSmallestView = 0.88, kShift_px = 10.0, kApart_m = 0.03;
   SensorNoiseConfig config;
   config.strength = request.noise;
-  config.nearest_m = RandomStream(request.seed ^ 0x6e656172u).between(0.4, 0.8);
+  RandomStream random(request.seed ^ 0x6e656172u);
+  config.nearest_m = random.between(0.4, 0.8);
+  if (random.chance(0.25)) return config;
+  config.view_share = random.between(kSmallestView, 1.0);
+  config.view_right_px = random.between(-kShift_px, kShift_px);
+  config.view_down_px = random.between(-kShift_px, kShift_px);
+  config.camera_left_m = random.between(-kApart_m, kApart_m);
   return config;
 }
 

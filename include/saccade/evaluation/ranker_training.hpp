@@ -61,7 +61,7 @@ struct RankerTrainingConfig {
   double positive_iou = 0.55;
   double negative_iou = 0.5;
   double min_negative_depth = 0.5;
-  double full_coverage = 0.75;
+  double full_coverage = 0.7;
   int folds = 2;
   bool ablation = false;
   int seed = 1;

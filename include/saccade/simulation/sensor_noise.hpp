@@ -18,6 +18,11 @@ struct SensorNoiseConfig {
   double nearest_m = 0.4;    ///< no depth below
   double farthest_m = 6.0;   ///< no depth beyond
   double color_sigma = 2.0;  ///< grey levels
+  /// The depth camera beside the colour camera, in whose image depth is given: along the strips that it does not see,
+  /// there is none. View and shift for what is far away, the left offset for parallax.
+  double view_share = 1.0;  ///< of the image's width and height
+  double view_right_px = 0.0, view_down_px = 0.0;
+  double camera_left_m = 0.0;
 
   void describe(ConfigVisitor& visitor);
 };
@@ -25,8 +30,8 @@ struct SensorNoiseConfig {
 /// Makes exact images look like a Kinect's: axial noise that grows with the square of the distance
 /// (1.2 mm + 1.9 mm/m² (z - 0.4 m)², Nguyen et al. 2012), disparity steps, the projector's shadow to the left of
 /// things, wavering depth edges with dropouts, gaps where a surface is seen at a grazing angle, on dark and on
-/// mirroring places, and grey-level noise in colour. Depth errs over a few pixels together, as the sensor matches
-/// windows.
+/// mirroring places, strips that the depth camera does not see, and grey-level noise in colour. Depth errs over a few
+/// pixels together, as the sensor matches windows.
 ///
 /// Every random number is a hash of (seed, frame, pixel): the same at any order of frames and any number of
 /// threads, of which it uses all. One caller at a time.
@@ -42,6 +47,7 @@ class SensorNoise {
  private:
   void applyToDepth(std::uint64_t stream, std::uint64_t gaps, SceneImages& images);
   [[nodiscard]] float measured(std::uint64_t stream, std::uint64_t gaps, int u, int v, const SceneImages& images) const;
+  [[nodiscard]] bool isInView(int u, int v, float z) const;
   void markShadows(int row, std::vector<bool>& in_shadow) const;
   void applyToColor(std::uint64_t stream, cv::Mat3b& color) const;
 

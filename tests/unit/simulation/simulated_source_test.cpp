@@ -1,6 +1,8 @@
 #include "saccade/simulation/simulated_source.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -131,6 +133,23 @@ TEST(SimulatedSource, TakesTheScenesOwnNumberOfFrames) {
   EXPECT_EQ(SimulationRequest::parse("sim:flat?frames=7").frames, 7);
 }
 
+TEST(SimulatedSource, HasCamerasWhoseDepthCoversTheImageAndOthersWhereItDoesNot) {
+  int full = 0, narrow = 0;
+  for (int seed = 0; seed < 8; ++seed) {
+    const RgbdFrame frame = readOnly("sim:desk?seed=" + std::to_string(seed), 0);
+    const cv::Mat measured = frame.depth_m > 0;
+    // Along some border of a narrow view nothing at all is measured.
+    const cv::Mat borders[] = {measured.col(0), measured.col(measured.cols - 1), measured.row(0),
+                               measured.row(measured.rows - 1)};
+    const bool strip =
+        std::any_of(std::begin(borders), std::end(borders), [](const cv::Mat& b) { return cv::countNonZero(b) == 0; });
+    ++(strip ? narrow : full);
+    EXPECT_GT(cv::countNonZero(measured), 0.6 * static_cast<double>(measured.total())) << seed;
+  }
+  EXPECT_GE(full, 1);
+  EXPECT_GE(narrow, 4);
+}
+
 TEST(SimulatedSource, GivesTheSameBytesWithOneThread) {
   const RgbdFrame many = readOnly("sim:desk?seed=3", 7);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
@@ -198,6 +217,19 @@ TEST(SensorNoise, LeavesTheProjectorsShadowEmpty) {
   for (int v = 0; v < 240; ++v) {
     for (int u = 160 - width_px + 1; u < 158; ++u) ASSERT_EQ(images.depth_m(v, u), 0.0f) << u << ", " << v;
     ASSERT_GT(images.depth_m(v, 160 - width_px - 2), 0.0f);
+  }
+}
+
+TEST(SensorNoise, FindsNothingWhereItsDepthCameraDoesNotLook) {
+  SensorNoise noise(1, {.view_share = 0.9, .view_right_px = 4.0, .view_down_px = -2.0, .camera_left_m = 0.02});
+  for (const float z : {1.0f, 2.0f}) {
+    SceneImages images = wallAt(z, 1.0f);
+    noise.apply(0, images);
+    const double parallax_px = 570 * 0.02 / static_cast<double>(z);
+    const int left = static_cast<int>(std::lrint(16 + 4 - parallax_px)), top = 12 - 2;  // a tenth is outside
+    const cv::Rect view(left, top, 288, 216);
+    EXPECT_EQ(cv::countNonZero(images.depth_m(view)), view.area());
+    EXPECT_EQ(cv::countNonZero(images.depth_m), view.area());
   }
 }
 
