@@ -204,35 +204,31 @@ int Clutter::stagger(int count, const std::vector<ObjectMaker>& makers, const Su
     return makers[static_cast<std::size_t>(random_.below(static_cast<int>(makers.size())))](random_);
   };
   ObjectModel model = draw();
-  Outline front = outlineOf(model);
+  const Outline first = outlineOf(model);
   const std::optional<Pose> T_WO = placeModel(model, support, spread, 1);
   if (!T_WO) return 0;
-  int placed = 1;
-  const double top_W = support.middle_W.z() + support.headroom_m;
+  const double ceiling = support.middle_W.z() + support.headroom_m;
   const Vector2d half = support.half_size_m - Vector2d::Constant(kRim_m);
   const Pose T_SW = uprightPose(support.middle_W, support.yaw).inverse();
-  Vector2d middle_O = 0.5 * (front.low + front.high);
+  Eigen::AlignedBox2d front_O(first.low, first.high);  // of what stands in front of the next
+  int placed = 1;
   for (int attempt = 0; placed < count && attempt < kTries; ++attempt) {
     model = draw();
     const Outline own = outlineOf(model);
-    const double width = front.high.x() - front.low.x();
-    const double aside = (random_.chance(0.5) ? 1 : -1) * random_.between(0.25, 0.7) * width;
+    const double aside = (random_.chance(0.5) ? 1 : -1) * random_.between(0.25, 0.7) * front_O.sizes().x();
     const double behind = random_.between(2 * kGap_m, 0.03);
-    const Vector2d place_O(middle_O.x() + aside - 0.5 * (own.low.x() + own.high.x()),
-                           front.low.y() - behind - own.high.y());
-    ObjectModel turned = model;
-    turned.transform(*T_WO * Eigen::Translation3d(place_O.x(), place_O.y(), 0));
-    const Outline outline = outlineOf(turned);
+    const Vector2d place_O(front_O.center().x() + aside - 0.5 * (own.low.x() + own.high.x()),
+                           front_O.min().y() - behind - own.high.y());
+    model.transform(*T_WO * Eigen::Translation3d(place_O.x(), place_O.y(), 0));
+    const Outline outline = outlineOf(model);
     const bool fits = std::all_of(outline.corners.begin(), outline.corners.end(), [&](const Vector2d& p_W) {
       const Vector3d p_S = T_SW * Vector3d(p_W.x(), p_W.y(), support.middle_W.z());
       return (half - p_S.head<2>().cwiseAbs()).minCoeff() >= 0;
     });
-    if (!fits || outline.z_high > top_W || !isFree(outline)) continue;
-    commit(std::move(turned), outline);
+    if (!fits || outline.z_high > ceiling || !isFree(outline)) continue;
+    commit(std::move(model), outline);
+    front_O = {own.low + place_O, own.high + place_O};
     ++placed;
-    front = own;
-    for (Vector2d* corner : {&front.low, &front.high}) *corner += place_O;
-    middle_O = 0.5 * (front.low + front.high);
   }
   return placed;
 }
