@@ -89,7 +89,7 @@ void SensorNoiseConfig::describe(ConfigVisitor& visitor) {
   visitor.number("farthest_m", farthest_m, {0.0, 1000.0}, "m", "no depth beyond");
   visitor.number("color_sigma", color_sigma, {0.0, 100.0}, "grey levels", "standard deviation of colour noise");
   visitor.number("view_share", view_share, {0.1, 10.0}, "",
-                 "share of the colour image's width that the depth camera sees");
+                 "share of the colour image's width and height that it sees");
   visitor.number("view_right_px", view_right_px, {-1e4, 1e4}, "px",
                  "by which its view lies to the right of the middle");
   visitor.number("view_down_px", view_down_px, {-1e4, 1e4}, "px", "by which its view lies below the middle");
