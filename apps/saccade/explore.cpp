@@ -281,8 +281,9 @@ void run(Options options) {
     readFrame(source, next);
     const RgbdFrame& frame = reading.frame;
     const RgbdFrame* ahead = next.has_frame ? &next.frame : nullptr;
-    const FrameReport report =
-        poses ? explorer.processAt(frame, poses->find(frame), ahead) : explorer.process(frame, ahead);
+    const FrameReport report = poses ? explorer.processAt(frame, poses->find(frame), ahead,
+                                                          ahead != nullptr ? poses->find(*ahead) : std::nullopt)
+                                     : explorer.process(frame, ahead);
     totals.add(report);
     last_frame = report.index.value;
     for (const auto& sink : sinks) sink->accept(frame, report);

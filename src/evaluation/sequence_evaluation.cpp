@@ -85,7 +85,8 @@ RunRecording run(FrameSource& source, const std::string& name, const ExplorerCon
     more = readFrame(next);
     const RgbdFrame* ahead = more ? &next : nullptr;
     const FrameReport report =
-        poseOf ? explorer.processAt(frame, poseOf(frame), ahead) : explorer.process(frame, ahead);
+        poseOf ? explorer.processAt(frame, poseOf(frame), ahead, ahead != nullptr ? poseOf(*ahead) : std::nullopt)
+               : explorer.process(frame, ahead);
     sink.accept(frame, report);
     if (note) note(frame, report);
     if (options.on_progress) options.on_progress(name, done, description.frames);

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 #include "core/fill_image.hpp"
 #include "core/lanes.hpp"
@@ -77,8 +79,14 @@ void SurfaceVolume::boundRays(const PinholeCamera& camera, const Pose& T_WM) con
   }
 }
 
-void SurfaceVolume::rayCast(const PinholeCamera& camera, const Pose& T_WM, ModelView& view) const {
+void SurfaceVolume::rayCast(const PinholeCamera& camera, const Pose& T_WM, ModelView& view,
+                            const cv::Mat1b* wanted) const {
   requireUsablePose(T_WM, "T_WM");
+  if (wanted != nullptr && wanted->size() != cv::Size(camera.width, camera.height)) {
+    throw std::invalid_argument("rayCast: the wanted pixels are " + std::to_string(wanted->cols) + " x " +
+                                std::to_string(wanted->rows) + ", the camera has " + std::to_string(camera.width) +
+                                " x " + std::to_string(camera.height));
+  }
   view.camera = camera;
   view.T_WM = T_WM;
   view.depth_m.create(camera.height, camera.width);
@@ -120,8 +128,10 @@ void SurfaceVolume::rayCast(const PinholeCamera& camera, const Pose& T_WM, Model
     for (int v = first; v < std::min(first + kRows, camera.height); ++v) {
       const float* nearest = s.bounds.nearest(v);
       const std::int32_t* slices = s.bounds.slices(v);
+      const std::uint8_t* wanted_row = wanted != nullptr ? (*wanted)[v] : nullptr;
       for (int u = 0; u < camera.width; ++u) {
         const int cell = u / RayBounds::kCellPixels;
+        if (wanted_row != nullptr && wanted_row[u] == 0) continue;
         s.rays.add(u, v, nearest[cell], slices[cell]);
       }
     }

@@ -39,7 +39,21 @@ struct TrackedAhead {
   StageClock clock;
 };
 
+/// The pose that the caller says a frame has, as tracking would say it; none: the frame counts as lost.
+Tracking believing(const std::optional<Pose>& T_WC) {
+  Tracking believed;
+  believed.status = T_WC ? TrackingStatus::kTracked : TrackingStatus::kLost;
+  if (T_WC) believed.T_WC = *T_WC;
+  return believed;
+}
+
 }  // namespace
+
+/// The frame that comes next, if it is known, and its pose, if that is to be believed.
+struct Explorer::NextFrame {
+  const RgbdFrame* frame = nullptr;
+  std::optional<Tracking> believed;
+};
 
 /// The stages of figure 1 and what they keep from frame to frame.
 struct Explorer::Stages {
@@ -99,12 +113,14 @@ struct Explorer::Stages {
   Tracking track(const FrameLook& look, double stamp_s, StageClock& clock);
   Tracking follow(const FrameLook& look, const Pose& prediction, StageClock& clock);
   void trackAhead(const Pose& prediction);
+  [[nodiscard]] std::optional<Pose> completedFrom(const Tracking& tracking) const;
   void relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report, StageClock& clock);
   void renewReference(const FrameLook& look, const Tracking& tracking);
   void remember(std::shared_ptr<const Keyframe> keyframe);
+  void lookAhead(const NextFrame& next);
   const IorView* mapFrame(const RgbdFrame& frame, const FrameLook& look, const Tracking& tracking,
-                          const RgbdFrame* tracked_next, StageClock& clock);
-  FrameLook& lookAndMap(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed,
+                          const NextFrame& next, StageClock& clock);
+  FrameLook& lookAndMap(const RgbdFrame& frame, const std::optional<Tracking>& believed, const NextFrame& next,
                         FrameReport& report, StageClock& clock);
   [[nodiscard]] bool becomesKeyframe(const FrameLook& look, const Tracking& tracking) const;
   void attend(FrameReport& report);
@@ -156,6 +172,25 @@ void Explorer::Stages::trackAhead(const Pose& prediction) {
   ahead = found;
 }
 
+/// Where the map is asked to complete a frame's depth: it must be as sure of the pose as to learn from the frame.
+std::optional<Pose> Explorer::Stages::completedFrom(const Tracking& tracking) const {
+  if (!config.completion.enabled || tracking.status != TrackingStatus::kTracked) return std::nullopt;
+  return tracking.T_WC;
+}
+
+/// Tracks and perceives the frame that comes next, as far as that can be done before its turn. Beside the octree.
+void Explorer::Stages::lookAhead(const NextFrame& next) {
+  // Who pages brings parts of the surface back to where the map is looked at, too.
+  const bool sees_surface = pager == nullptr;
+  if (next.frame == nullptr || (!sees_surface && config.completion.enabled)) return;
+  if (next.believed) {
+    looks.perceiveAhead(surface, completedFrom(*next.believed));
+    return;
+  }
+  if (sees_surface) trackAhead(motion.predict(next.frame->stamp_s));
+  looks.perceiveAhead(surface, ahead ? completedFrom(ahead->tracking) : std::nullopt);
+}
+
 /// Looks for a lost camera among the keyframes. If the surface verifies a place, tracking goes on from there.
 void Explorer::Stages::relocalise(const RgbdFrame& frame, const DepthMaps& depth, FrameReport& report,
                                   StageClock& clock) {
@@ -180,28 +215,22 @@ void Explorer::Stages::remember(std::shared_ptr<const Keyframe> keyframe) {
 }
 
 /// Learns from the frame what its tracking allows, and looks at the map from its pose. Null if the frame is lost. The
-/// surface volume, which only tracking asks, learns beside the map; then `tracked_next`, if any, is tracked there.
+/// surface volume, which knows nothing of attention, learns beside the octree; then the next frame is looked at there.
 const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const FrameLook& look, const Tracking& tracking,
-                                          const RgbdFrame* tracked_next, StageClock& clock) {
+                                          const NextFrame& next, StageClock& clock) {
+  const bool is_lost = tracking.status == TrackingStatus::kLost;
+  const bool integrates = tracking.status == TrackingStatus::kTracked && look.has_depth;
+  if (!is_lost) motion.observe(frame.stamp_s, tracking.T_WC);
   surface_clock = StageClock();
-  if (tracking.status == TrackingStatus::kLost) {
-    looks.perceiveAhead();
-    return nullptr;
+  of_surface.offer([this, &look, T_WC = tracking.T_WC, integrates, &next] {
+    if (integrates) surface_clock.time("integrate surface", [&] { surface.integrate(look.depth, T_WC); });
+    lookAhead(next);
+  });
+  if (is_lost) return nullptr;
+  if (integrates) {
+    forgotten =
+        clock.time("integrate map", [&] { return map.integrate(look.depth, frame.color, tracking.T_WC).forgotten; });
   }
-  motion.observe(frame.stamp_s, tracking.T_WC);
-  bringBack(tracking.T_WC);
-  if (tracking.status == TrackingStatus::kTracked && look.has_depth) {
-    const DepthMaps& depth = look.depth;
-    const std::optional<Pose> prediction =
-        tracked_next != nullptr ? std::optional(motion.predict(tracked_next->stamp_s)) : std::nullopt;
-    of_surface.offer([this, &depth, T_WC = tracking.T_WC, prediction] {
-      surface_clock.time("integrate surface", [&] { surface.integrate(depth, T_WC); });
-      if (prediction) trackAhead(*prediction);
-    });
-    looks.perceiveAhead();  // after the surface: who begins with that is done with it before this frame's end
-    forgotten = clock.time("integrate map", [&] { return map.integrate(depth, frame.color, tracking.T_WC).forgotten; });
-  }
-  looks.perceiveAhead();
   return clock.time("2D IOR map", [&] { return &renderer.renderIor(map.view(), camera, tracking.T_WC); });
 }
 
@@ -318,14 +347,12 @@ const PinholeCamera& Explorer::camera() const {
 }
 
 FrameReport Explorer::process(const RgbdFrame& frame, const RgbdFrame* next) {
-  return processFrame(frame, next, std::nullopt);
+  return processFrame(frame, std::nullopt, {next, std::nullopt});
 }
 
-FrameReport Explorer::processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC, const RgbdFrame* next) {
-  Tracking believed;
-  believed.status = T_WC ? TrackingStatus::kTracked : TrackingStatus::kLost;
-  if (T_WC) believed.T_WC = *T_WC;
-  return processFrame(frame, next, believed);
+FrameReport Explorer::processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC, const RgbdFrame* next,
+                                const std::optional<Pose>& next_T_WC) {
+  return processFrame(frame, believing(T_WC), {next, believing(next_T_WC)});
 }
 
 /// Whether the frame has a colour image of the camera's size, and no depth image or one of the same size.
@@ -351,22 +378,20 @@ void Explorer::requireImages(const RgbdFrame& frame) const {
 }
 
 /// Tracks and maps the frame beside the look at it, which needs nothing else and was mostly begun ahead.
-FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame* next,
-                                        const std::optional<Tracking>& believed, FrameReport& report,
-                                        StageClock& clock) {
+FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const std::optional<Tracking>& believed,
+                                        const NextFrame& next, FrameReport& report, StageClock& clock) {
   if (!looks.isAnnounced(frame)) ahead.reset();  // of another frame
   FrameLook& look = looks.take(frame);
-  looks.perceive();
-  if (next != nullptr) looks.announce(*next);
-  // Who pages brings parts of the surface back to where the map is looked at, too.
-  const bool tracks_ahead = !believed && pager == nullptr;
-  if (!believed && !ahead) looks.perceiveAhead();  // tracking will take its time
+  if (!config.completion.enabled) looks.perceive(surface, std::nullopt);  // that need not wait for the pose
+  if (next.frame != nullptr) looks.announce(*next.frame);
   report.tracking = believed ? *believed : track(look, frame.stamp_s, clock);
   if (!believed) {
     relocalise(frame, look.depth, report, clock);
     renewReference(look, report.tracking);
   }
-  report.ior = mapFrame(frame, look, report.tracking, tracks_ahead ? next : nullptr, clock);
+  if (report.T_WC()) bringBack(report.tracking.T_WC);
+  looks.perceive(surface, completedFrom(report.tracking));
+  report.ior = mapFrame(frame, look, report.tracking, next, clock);
   if (report.relocalised) motion.rest();           // the jump was no motion
   if (!looks.isPerceived()) of_surface.attempt();  // better than to wait
   clock.time("wait for perception", [&] { looks.waitUntilPerceived(); });
@@ -374,11 +399,10 @@ FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const RgbdFrame*
 }
 
 /// Figure 1 of the paper.
-FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next,
-                                   const std::optional<Tracking>& believed) {
+FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<Tracking>& believed, NextFrame next) {
   Stages& s = *stages_;
   requireImages(frame);
-  if (next != nullptr && !hasCameraSize(*next)) next = nullptr;  // its own call says what is wrong
+  if (next.frame != nullptr && !hasCameraSize(*next.frame)) next.frame = nullptr;  // its own call says what is wrong
   FrameReport report;
   report.index = frame.index;
   report.name = frame.name;
@@ -386,9 +410,9 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const RgbdFrame* next
   StageClock clock;
   const Stages::Settling at_end{s};
 
-  FrameLook& look = s.lookAndMap(frame, next, believed, report, clock);
+  FrameLook& look = s.lookAndMap(frame, believed, next, report, clock);
   report.seen = &look.seen;
-  report.depth = look.has_depth ? &look.depth : nullptr;
+  report.depth = look.perceivedDepth();
 
   if (s.becomesKeyframe(look, report.tracking)) {
     s.of_keyframe.offer([&] {

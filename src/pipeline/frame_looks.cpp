@@ -37,28 +37,48 @@ void FrameLooks::prepare(Slot& slot) const {
   // Preparing starts no tasks: a thread that waited for some could run one that asks for these same maps.
   std::call_once(*slot.prepared, [&] {
     FrameLook& look = slot.look;
-    look.times.clear();
+    slot.prepared_times.clear();
     look.has_depth = !slot.frame.depth_m.empty();
     look.depth.depth_m.resize(0);
     if (!look.has_depth) return;
     StageClock clock;
     clock.time("prepare depth", [&] { slot.preparation.prepare(slot.frame.depth_m, camera_, look.depth); });
     clock.time("grey values", [&] { look.intensity.build(slot.frame.color, camera_); });
-    look.times = clock.stages();
+    slot.prepared_times = clock.stages();
   });
 }
 
-void FrameLooks::begin(Slot& slot) {
-  if (slot.frame.color.empty() || std::exchange(slot.is_begun, true)) return;
+void FrameLooks::begin(Slot& slot, const SurfaceVolume& surface, const std::optional<Pose>& T_WC) {
+  const auto isThere = [](const std::optional<Pose>& a, const std::optional<Pose>& b) {
+    return a.has_value() == b.has_value() && (!a || a->matrix() == b->matrix());
+  };
+  if (slot.frame.color.empty() || (slot.is_begun && isThere(slot.seen_from, T_WC))) return;
+  slot.errand.settle();
+  slot.is_begun = true;
+  slot.seen_from = T_WC;
+  slot.look.is_completed = false;
+  slot.completion_times.clear();
+  if (T_WC) complete(slot, surface);
   slot.errand.offer([this, &slot] { perceive(slot); });
+}
+
+void FrameLooks::complete(Slot& slot, const SurfaceVolume& surface) const {
+  prepare(slot);
+  FrameLook& look = slot.look;
+  if (!look.has_depth) return;
+  StageClock clock;
+  look.is_completed = clock.time(
+      "complete depth", [&] { return slot.completion.complete(look.depth, surface, *slot.seen_from, look.completed); });
+  slot.completion_times = clock.stages();
 }
 
 void FrameLooks::perceive(Slot& slot) const {
   prepare(slot);
   FrameLook& look = slot.look;
   // Isolated: whoever waits for a part of this does nothing else meanwhile, which would take as long as it takes.
-  tbb::this_task_arena::isolate(
-      [&] { slot.perceiver.perceive(slot.frame.color, look.has_depth ? &look.depth : nullptr, look.seen); });
+  tbb::this_task_arena::isolate([&] { slot.perceiver.perceive(slot.frame.color, look.perceivedDepth(), look.seen); });
+  look.times = slot.prepared_times;
+  look.times.insert(look.times.end(), slot.completion_times.begin(), slot.completion_times.end());
   const Perceiver::Times& times = slot.perceiver.times();
   look.times.insert(look.times.end(), {{"saliency", times.saliency_ms},
                                        {"salient blobs", times.blobs_ms},
@@ -72,7 +92,6 @@ void FrameLooks::perceive(Slot& slot) const {
 
 void FrameLooks::waitUntilPerceived() {
   Slot& slot = slots_[current_];
-  begin(slot);
   slot.errand.finish();
   slot.frame = {};
 }

@@ -71,8 +71,9 @@ class SurfaceVolume {
 
   /// Fills `view` with the surface that `camera` at `T_WM` sees: per pixel the first change from before to behind the
   /// surface, interpolated, with the gradient as normal. Buffers of `view` are reused. Cost ~ pixels of the camera:
-  /// tracking wants half the resolution. Throws std::invalid_argument as integrate() does.
-  void rayCast(const PinholeCamera& camera, const Pose& T_WM, ModelView& view) const;
+  /// tracking wants half the resolution. `wanted`, if given, has the camera's size, and pixels where it is 0 become
+  /// holes. Throws std::invalid_argument as integrate() does, and if `wanted` has another size.
+  void rayCast(const PinholeCamera& camera, const Pose& T_WM, ModelView& view, const cv::Mat1b* wanted = nullptr) const;
 
   /// Signed distance in metres, trilinear, at a world point; empty where one of the eight samples around is unknown.
   [[nodiscard]] std::optional<double> distanceAt(const Eigen::Vector3d& p_W) const;

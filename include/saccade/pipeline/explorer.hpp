@@ -50,8 +50,10 @@ class Explorer {
   /// mapped and ranked, which keeps two threads busy all the time. Its images must not change until then; if another
   /// frame follows after all, the work was in vain and nothing else. The results are the same with it and without.
   FrameReport process(const RgbdFrame& frame, const RgbdFrame* next = nullptr);
-  /// The same with a pose that is believed instead of tracking; none: the frame counts as lost.
-  FrameReport processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC, const RgbdFrame* next = nullptr);
+  /// The same with a pose that is believed instead of tracking; none: the frame counts as lost. `next_T_WC` is the pose
+  /// that will be believed of `next`.
+  FrameReport processAt(const RgbdFrame& frame, const std::optional<Pose>& T_WC, const RgbdFrame* next = nullptr,
+                        const std::optional<Pose>& next_T_WC = std::nullopt);
 
   /// Goes on from `memory` instead of from nothing.
   void restore(ExplorerMemory memory);
@@ -80,11 +82,12 @@ class Explorer {
   [[nodiscard]] const PinholeCamera& camera() const;
 
  private:
+  struct NextFrame;
   struct Stages;
 
   [[nodiscard]] bool hasCameraSize(const RgbdFrame& frame) const;
   void requireImages(const RgbdFrame& frame) const;
-  FrameReport processFrame(const RgbdFrame& frame, const RgbdFrame* next, const std::optional<Tracking>& believed);
+  FrameReport processFrame(const RgbdFrame& frame, const std::optional<Tracking>& believed, NextFrame next);
 
   std::unique_ptr<Stages> stages_;
 };

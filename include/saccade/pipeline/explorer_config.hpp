@@ -5,6 +5,7 @@
 #include "saccade/discovery/discovery_config.hpp"
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/surface_volume.hpp"
+#include "saccade/rendering/depth_completion.hpp"
 #include "saccade/rendering/renderer.hpp"
 #include "saccade/tracking/frame_features.hpp"
 #include "saccade/tracking/keyframe_set.hpp"
@@ -21,6 +22,7 @@ struct ExplorerConfig {
   IorMapConfig map;
   RendererConfig rendering;
   SurfaceVolumeConfig surface;
+  DepthCompletionConfig completion;
   MotionPredictorConfig motion;
   TrackerConfig tracking;
   PhotometricReferenceConfig photometric;
@@ -34,7 +36,8 @@ struct ExplorerConfig {
     discovery.describe(visitor);
     visitor.section("map", map, "the octree: leaves, sensor model, inhibition of return");
     visitor.section("rendering", rendering, "the 2D IOR map's rays");
-    visitor.section("surface", surface, "the surface volume that tracking looks at");
+    visitor.section("surface", surface, "the surface volume: what tracking aligns frames to");
+    visitor.section("completion", completion, "depth where the depth camera's view ends, from the surface volume");
     visitor.section("motion", motion, "prediction of the camera's motion");
     visitor.section("tracking", tracking, "ICP, frame to model");
     visitor.section("photometric", photometric, "the earlier frame whose colour helps tracking");
@@ -48,6 +51,7 @@ struct ExplorerConfig {
   void usePaperOnly() {
     tracking.grey_levels_per_mm = 0.0;
     discovery.usePaperOnly();
+    completion.enabled = false;
     map.attend_blocks = false;
   }
 };

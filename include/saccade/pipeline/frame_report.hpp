@@ -39,7 +39,7 @@ struct FrameReport {
 
   const Perception* seen = nullptr;
   const IorView* ior = nullptr;      ///< null for a lost frame
-  const DepthMaps* depth = nullptr;  ///< null for a frame of colour alone
+  const DepthMaps* depth = nullptr;  ///< as `seen` saw it, completed by the map; null for a frame of colour alone
 
   std::shared_ptr<const Keyframe> keyframe;  ///< this frame with its features, if it became a keyframe
 
