@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
-#include "core/fill_image.hpp"
+#include "saccade/core/multiversion.hpp"
 
 namespace saccade {
 namespace {
 
-constexpr int kReduction = 2;  // of the model's view
+constexpr int kReduction = 4;  // of the model's view
 // Where the plane of a model's pixel would lead farther than this share of the depth away within the pixel, it is seen
 // so flat, or so close to an edge, that its depth alone is better.
 constexpr float kMostSlope = 0.02F;
@@ -17,70 +18,63 @@ bool isMeasured(float depth_m) {
   return depth_m > 0.0F;
 }
 
-/// Moves `edge` of each column on from row `v` to the next one where it stands at `v` and nothing is measured. Returns
-/// whether any moved.
-bool moveEdges(const float* depth_m, int v, int step, std::vector<int>& edges) {
+/// Moves the edge of each column on by `step` where it stands at row `v` and nothing is measured there. Returns whether
+/// any moved.
+SACCADE_MULTIVERSION
+bool moveEdges(const float* depth_m, int width, int v, int step, int* edges) {
   int moved = 0;
-  for (std::size_t u = 0; u < edges.size(); ++u) {
-    const int moves = static_cast<int>(edges[u] == v) & static_cast<int>(!isMeasured(depth_m[u]));
+  for (int u = 0; u < width; ++u) {
+    const int moves = static_cast<int>(edges[u] == v) & static_cast<int>(!(depth_m[u] > 0.0F));
     edges[u] += moves * step;
     moved |= moves;
   }
   return moved != 0;
 }
 
-}  // namespace
-
-/// Whether there are any.
-bool DepthCompletion::findStrips(const cv::Mat1f& depth_m) {
-  const int width = depth_m.cols, height = depth_m.rows;
-  top_.assign(static_cast<std::size_t>(width), 0);
-  bottom_.assign(static_cast<std::size_t>(width), height - 1);  // the last measured row, for now
-  for (int v = 0; v < height && moveEdges(depth_m[v], v, 1, top_); ++v) {
+/// Marks what of row `v` lies above or below all that is measured in its column.
+SACCADE_MULTIVERSION
+void markOutside(const int* first, const int* last, int width, int v, std::uint8_t* strip) {
+  for (int u = 0; u < width; ++u) {
+    strip[u] = static_cast<std::uint8_t>(static_cast<int>(v < first[u]) | static_cast<int>(v > last[u]));
   }
-  for (int v = height - 1; v >= 0 && moveEdges(depth_m[v], v, -1, bottom_); --v) {
-  }
-  for (int& row : bottom_) ++row;
-
-  strips_.create(height, width);
-  bool any = false;
-  for (int v = 0; v < height; ++v) {
-    std::uint8_t* strip = strips_[v];
-    int inside = 0;
-    for (int u = 0; u < width; ++u) {
-      const auto column = static_cast<std::size_t>(u);
-      strip[u] = static_cast<std::uint8_t>(static_cast<int>(v < top_[column]) | static_cast<int>(v >= bottom_[column]));
-      inside += strip[u];
-    }
-    const float* row = depth_m[v];
-    const auto begin = std::find_if(row, row + width, isMeasured) - row;
-    std::fill_n(strip, begin, std::uint8_t{1});
-    auto end = static_cast<std::ptrdiff_t>(width);
-    while (end > begin && !isMeasured(row[end - 1])) --end;
-    std::fill(strip + end, strip + width, std::uint8_t{1});
-    any = any || inside > 0 || begin > 0 || end < width;
-  }
-  return any;
 }
 
-/// Whether anything was met there.
-bool DepthCompletion::lookAtStrips(const PinholeCamera& camera, const SurfaceVolume& surface, const Pose& T_WC) {
-  const PinholeCamera reduced = camera.reducedBy(kReduction);
-  wanted_.create(reduced.height, reduced.width);
-  for (int v = 0; v < reduced.height; ++v) {
-    const std::uint8_t* upper = strips_[kReduction * v];
-    const std::uint8_t* lower = strips_[kReduction * v + 1];
-    for (int u = 0; u < reduced.width; ++u) {
-      const int at = kReduction * u;
-      wanted_(v, u) = static_cast<std::uint8_t>(upper[at] | upper[at + 1] | lower[at] | lower[at + 1]);
+}  // namespace
+
+void DepthCompletion::findStrips(const cv::Mat1f& depth_m) {
+  const int width = depth_m.cols, height = depth_m.rows;
+  first_.assign(static_cast<std::size_t>(width), 0);
+  last_.assign(static_cast<std::size_t>(width), height - 1);
+  for (int v = 0; v < height && moveEdges(depth_m[v], width, v, 1, first_.data()); ++v) {
+  }
+  for (int v = height - 1; v >= 0 && moveEdges(depth_m[v], width, v, -1, last_.data()); --v) {
+  }
+  strips_.create(height, width);
+  for (int v = 0; v < height; ++v) {
+    const float* row = depth_m[v];
+    std::uint8_t* strip = strips_[v];
+    markOutside(first_.data(), last_.data(), width, v, strip);
+    int begin = 0, end = width;
+    while (begin < width && !isMeasured(row[begin])) strip[begin++] = 1;
+    while (end > begin && !isMeasured(row[end - 1])) strip[--end] = 1;
+  }
+}
+
+/// The pixels of the model's view that a strip touches; whether there are any.
+bool DepthCompletion::findWanted() {
+  bool any = false;
+  for (int v = 0; v < wanted_.rows; ++v) {
+    for (int u = 0; u < wanted_.cols; ++u) {
+      std::uint8_t touched = 0;
+      for (int i = 0; i < kReduction; ++i) {
+        const std::uint8_t* strip = &strips_(kReduction * v + i, kReduction * u);
+        for (int k = 0; k < kReduction; ++k) touched |= strip[k];
+      }
+      wanted_(v, u) = touched;
+      any = any || touched != 0;
     }
   }
-  surface.rayCast(reduced, T_WC, view_, &wanted_);
-  for (int v = 0; v < reduced.height; ++v) {
-    const float* row = view_.depth_m[v];
-    if (std::any_of(row, row + reduced.width, isMeasured)) return true;
-  }
-  return false;
+  return any;
 }
 
 void DepthCompletion::fillRow(int v, DepthMaps& completed) const {
@@ -110,8 +104,13 @@ void DepthCompletion::fillRow(int v, DepthMaps& completed) const {
 
 bool DepthCompletion::complete(const DepthMaps& measured, const SurfaceVolume& surface, const Pose& T_WC,
                                DepthMaps& completed) {
-  if (!config_.enabled || surface.empty() || !findStrips(measured.depth_m)) return false;
-  if (!lookAtStrips(measured.camera, surface, T_WC)) return false;
+  if (!config_.enabled || surface.empty()) return false;
+  findStrips(measured.depth_m);
+  const PinholeCamera reduced = measured.camera.reducedBy(kReduction);
+  wanted_.create(reduced.height, reduced.width);
+  if (!findWanted()) return false;
+  surface.rayCast(reduced, T_WC, view_, &wanted_);
+  if (cv::countNonZero(view_.depth_m) == 0) return false;
   completed.camera = measured.camera;
   measured.depth_m.copyTo(completed.depth_m);
   measured.vertices.copyTo(completed.vertices);

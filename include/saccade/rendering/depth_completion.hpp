@@ -36,17 +36,17 @@ class DepthCompletion {
 
   /// Whether `surface`, seen from `T_WC`, shows something in a strip of `measured`. Then `completed` is `measured` with
   /// depth, vertices and normals of that; otherwise it is not touched. Buffers of `completed` are reused. The surface
-  /// is looked at with half the resolution: the depth of a pixel is that of the plane through what the ray beside it
-  /// meets. Throws std::invalid_argument if the pose is not finite or absurdly far away.
+  /// is looked at with a quarter of the resolution: the depth of a pixel is that of the plane through what the ray
+  /// beside it meets. Throws std::invalid_argument if the pose is not finite or absurdly far away.
   bool complete(const DepthMaps& measured, const SurfaceVolume& surface, const Pose& T_WC, DepthMaps& completed);
 
  private:
-  bool findStrips(const cv::Mat1f& depth_m);
-  bool lookAtStrips(const PinholeCamera& camera, const SurfaceVolume& surface, const Pose& T_WC);
+  void findStrips(const cv::Mat1f& depth_m);
+  bool findWanted();
   void fillRow(int v, DepthMaps& completed) const;
 
   Config config_;
-  std::vector<int> top_, bottom_;  ///< of each column: its first measured row, and the one after its last
+  std::vector<int> first_, last_;  ///< measured row of each column
   cv::Mat1b strips_;               ///< not 0: in a strip
   cv::Mat1b wanted_;               ///< the same for the model's pixels
   ModelView view_;

@@ -16,10 +16,14 @@ namespace {
 using test::cornerWithBalls;
 using test::DepthScene;
 using test::poseOf;
-using test::smallCamera;
 
-const cv::Rect kSeen(34, 11, 101, 92);  // what the depth camera sees of the image
-const cv::Rect kGap(60, 40, 20, 20);    // in which it finds nothing
+/// Half a Kinect's resolution, same field of view.
+PinholeCamera camera() {
+  return {320, 240, 292.5, 292.5, 159.5, 119.5};
+}
+
+const cv::Rect kSeen(67, 22, 203, 185);  // what the depth camera sees of the image
+const cv::Rect kGap(120, 80, 40, 40);    // in which it finds nothing
 
 bool isSeen(int u, int v) {
   return kSeen.contains({u, v}) && !kGap.contains({u, v});
@@ -27,13 +31,13 @@ bool isSeen(int u, int v) {
 
 DepthMaps mapsOf(const cv::Mat1f& depth_m) {
   DepthMaps maps;
-  DepthPreparation().prepare(depth_m, smallCamera(), maps);
+  DepthPreparation().prepare(depth_m, camera(), maps);
   return maps;
 }
 
 /// The scene from `T_WC` by a depth camera that sees less than the image.
 DepthMaps measure(const DepthScene& scene, const Pose& T_WC) {
-  cv::Mat1f depth_m = scene.render(smallCamera(), T_WC);
+  cv::Mat1f depth_m = scene.render(camera(), T_WC);
   for (int v = 0; v < depth_m.rows; ++v) {
     for (int u = 0; u < depth_m.cols; ++u) {
       if (!isSeen(u, v)) depth_m(v, u) = 0.0F;
@@ -47,7 +51,7 @@ SurfaceVolume lookAround(const DepthScene& scene) {
   SurfaceVolume surface;
   for (int i = -2; i <= 2; ++i) {
     const Pose T_WC = poseOf({0.2, 1, 0}, 3.0 * i, {0.02 * i, 0.01 * i, 0.0});
-    surface.integrate(mapsOf(scene.render(smallCamera(), T_WC)), T_WC);
+    surface.integrate(mapsOf(scene.render(camera(), T_WC)), T_WC);
   }
   return surface;
 }
@@ -78,19 +82,19 @@ TEST(DepthCompletion, ContinuesTheDepthIntoTheStripsByWhatWasSeenBefore) {
       const auto depth = static_cast<double>(completed.depth_m(v, u));
       if (depth == 0.0) continue;
       ++filled;
-      const DepthScene::Meeting truth = scene.meetPixel(smallCamera(), T_WC, u, v);
+      const DepthScene::Meeting truth = scene.meetPixel(camera(), T_WC, u, v);
       depth_errors.push_back(std::abs(depth - truth.s));
       const cv::Vec3f n = completed.normals(v, u), p = completed.vertices(v, u);
       const Eigen::Vector3d normal(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
       normal_errors.push_back(std::acos(std::clamp(normal.dot(T_WC.linear().transpose() * truth.normal), -1.0, 1.0)));
-      const Eigen::Vector3d expected = smallCamera().unproject(u, v, depth);
+      const Eigen::Vector3d expected = camera().unproject(u, v, depth);
       for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(static_cast<double>(p[axis]), expected[axis], 1e-5);
     }
   }
   EXPECT_GT(filled, 0.9 * strip);
   std::sort(depth_errors.begin(), depth_errors.end());
   std::sort(normal_errors.begin(), normal_errors.end());
-  // A pixel of this camera is 8 mm wide at 1.2 m, one of the model's view twice that.
+  // A pixel of this camera is 4 mm wide at 1.2 m, one of the model's view 16 mm.
   EXPECT_LT(depth_errors[depth_errors.size() / 2], 0.003);
   EXPECT_LT(depth_errors[depth_errors.size() * 9 / 10], 0.015);
   EXPECT_LT(normal_errors[normal_errors.size() / 2], 0.15);  // as of a view of the surface by itself
@@ -108,19 +112,19 @@ TEST(DepthCompletion, LeavesWhatIsMeasuredAndGapsFurtherInside) {
   EXPECT_GT(cv::countNonZero(changed), 0);
 }
 
-/// Between a plane's neighbouring pixels nothing steps, though the surface is looked at with half the resolution.
+/// Between a plane's neighbouring pixels nothing steps, though the surface is looked at with less resolution.
 TEST(DepthCompletion, ShowsASlantedPlaneWithoutSteps) {
   DepthScene scene;
   scene.planes = {{Eigen::Vector3d(0.7, 0.0, -0.7).normalized(), -1.0}};
   const DepthMaps measured = measure(scene, Pose::Identity());
   DepthMaps completed;
   ASSERT_TRUE(DepthCompletion().complete(measured, lookAround(scene), Pose::Identity(), completed));
-  for (int v = 20; v < 100; ++v) {
-    for (int u = 6; u < kSeen.x - 4; ++u) {
+  for (int v = 40; v < 200; ++v) {
+    for (int u = 12; u < kSeen.x - 8; ++u) {
       const double before = 1.0 / static_cast<double>(completed.depth_m(v, u - 1));
       const double at = 1.0 / static_cast<double>(completed.depth_m(v, u));
       const double after = 1.0 / static_cast<double>(completed.depth_m(v, u + 1));
-      EXPECT_NEAR(before + after - 2.0 * at, 0.0, 0.006) << u << ", " << v;  // linear in u; steps of 2 px: 0.01
+      EXPECT_NEAR(before + after - 2.0 * at, 0.0, 0.003) << u << ", " << v;  // linear in u; steps of 4 px: 0.01
       EXPECT_GT(before - after, 0.0) << u << ", " << v;  // every pixel nearer or farther than the one before
     }
   }
@@ -135,7 +139,7 @@ TEST(DepthCompletion, TouchesNothingWhereThereIsNothingToAdd) {
   completed.depth_m = cv::Mat1f(1, 1, 7.0F);
   DepthCompletion completion;
   EXPECT_FALSE(completion.complete(measured, SurfaceVolume(), T_WC, completed)) << "no surface";
-  EXPECT_FALSE(completion.complete(mapsOf(scene.render(smallCamera(), T_WC)), surface, T_WC, completed)) << "no strips";
+  EXPECT_FALSE(completion.complete(mapsOf(scene.render(camera(), T_WC)), surface, T_WC, completed)) << "no strips";
   const Pose away = poseOf({0, 1, 0}, 180.0, {0, 0, 0});
   EXPECT_FALSE(completion.complete(measured, surface, away, completed)) << "never looked there";
   DepthCompletionConfig off;
@@ -147,7 +151,7 @@ TEST(DepthCompletion, TouchesNothingWhereThereIsNothingToAdd) {
 
 TEST(DepthCompletion, TakesAFrameWithoutAnyMeasurementAsOneStrip) {
   const DepthScene scene = cornerWithBalls();
-  const DepthMaps blind = mapsOf(cv::Mat1f(smallCamera().height, smallCamera().width, 0.0F));
+  const DepthMaps blind = mapsOf(cv::Mat1f(camera().height, camera().width, 0.0F));
   DepthMaps completed;
   ASSERT_TRUE(DepthCompletion().complete(blind, lookAround(scene), Pose::Identity(), completed));
   EXPECT_GT(cv::countNonZero(completed.depth_m), 0.9 * static_cast<double>(completed.depth_m.total()));
@@ -155,13 +159,13 @@ TEST(DepthCompletion, TakesAFrameWithoutAnyMeasurementAsOneStrip) {
 
 TEST(DepthCompletion, WorksOnImagesOfOddSize) {
   const DepthScene scene = cornerWithBalls();
-  PinholeCamera camera = smallCamera();
-  camera.width -= 1;
-  camera.height -= 1;
+  PinholeCamera odd = camera();
+  odd.width -= 3;
+  odd.height -= 1;
   DepthMaps blind, completed;
-  DepthPreparation().prepare(cv::Mat1f(camera.height, camera.width, 0.0F), camera, blind);
+  DepthPreparation().prepare(cv::Mat1f(odd.height, odd.width, 0.0F), odd, blind);
   ASSERT_TRUE(DepthCompletion().complete(blind, lookAround(scene), Pose::Identity(), completed));
-  EXPECT_GT(completed.depth_m(camera.height - 1, camera.width - 1), 0.0F);
+  EXPECT_GT(completed.depth_m(odd.height - 1, odd.width - 1), 0.0F);
 }
 
 TEST(DepthCompletion, RefusesAPoseThatIsNone) {
