@@ -12,6 +12,9 @@
 namespace saccade {
 namespace {
 
+/// Width of the strip on the left of the image that the depth camera does not see.
+constexpr int kStrip = 90;
+
 /// A short look at the simulated desk, read once: images of their own, so that they stay as they are.
 struct Desk {
   PinholeCamera camera;
@@ -28,6 +31,7 @@ const Desk& desk() {
       result.frames.push_back(frame);
       result.frames.back().color = frame.color.clone();
       result.frames.back().depth_m = frame.depth_m.clone();
+      result.frames.back().depth_m(cv::Rect(0, 0, kStrip, frame.depth_m.rows)).setTo(0.0F);
     }
     return result;
   }();
@@ -36,23 +40,26 @@ const Desk& desk() {
 
 /// What a run leaves: its reports' candidates and poses, and its map.
 struct Exploration {
-  explicit Exploration(std::size_t threads) : limit(tbb::global_control::max_allowed_parallelism, threads) {}
+  explicit Exploration(std::size_t threads, const ExplorerConfig& config = {})
+      : limit(tbb::global_control::max_allowed_parallelism, threads), explorer(config, desk().camera) {}
 
-  void process(const RgbdFrame& frame, const RgbdFrame* next) {
-    const FrameReport report = explorer.process(frame, next);
+  void process(const RgbdFrame& frame, const RgbdFrame* next) { note(explorer.process(frame, next)); }
+  void note(const FrameReport& report) {
     ASSERT_EQ(report.tracking.status, TrackingStatus::kTracked);
     poses.push_back(report.tracking.T_WC.matrix());
     for (const Candidate& candidate : report.open) {
       boxes.push_back(candidate.box);
       scores.push_back(candidate.score);
     }
+    completed_px.push_back(cv::countNonZero(report.depth->depth_m(cv::Rect(0, 0, kStrip, report.depth->depth_m.rows))));
   }
 
   tbb::global_control limit;
-  Explorer explorer{{}, desk().camera};
+  Explorer explorer;
   std::vector<Eigen::Matrix4d> poses;
   std::vector<cv::Rect> boxes;
   std::vector<double> scores;
+  std::vector<int> completed_px;  ///< of each frame: depth that the perceived one has in the strip
 };
 
 void expectSame(const Exploration& a, const Exploration& b) {
@@ -60,6 +67,7 @@ void expectSame(const Exploration& a, const Exploration& b) {
   EXPECT_EQ(a.poses, b.poses);
   EXPECT_EQ(a.boxes, b.boxes);
   EXPECT_EQ(a.scores, b.scores);
+  EXPECT_EQ(a.completed_px, b.completed_px);
   EXPECT_TRUE(a.explorer.map().tree() == b.explorer.map().tree());
 }
 
@@ -74,6 +82,45 @@ TEST(Explorer, FindsTheSameWithAndWithoutPerceivingAheadAtAnyNumberOfThreads) {
       ahead.process(frames[i], i + 1 < frames.size() ? &frames[i + 1] : nullptr);
     }
     expectSame(plain, ahead);
+  }
+}
+
+TEST(Explorer, FindsTheSameAtGivenPosesWhateverItIsToldOfTheNextFrame) {
+  const auto& frames = desk().frames;
+  const auto poseOf = [&](std::size_t i) { return frames[0].T_WC->inverse() * *frames[i].T_WC; };
+  Exploration plain(2), ahead(2), misled(2);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const RgbdFrame* next = i + 1 < frames.size() ? &frames[i + 1] : nullptr;
+    plain.note(plain.explorer.processAt(frames[i], poseOf(i)));
+    ahead.note(ahead.explorer.processAt(frames[i], poseOf(i), next, poseOf(std::min(i + 1, frames.size() - 1))));
+    misled.note(misled.explorer.processAt(frames[i], poseOf(i), next));
+  }
+  EXPECT_GT(plain.completed_px.back(), 0);
+  expectSame(plain, ahead);
+  expectSame(plain, misled);
+}
+
+/// What the map adds to a frame is seen and nothing more: it is not tracked, and the map does not learn it again.
+TEST(Explorer, SeesBeyondTheDepthCamerasViewButLearnsNothingFromThat) {
+  const auto& frames = desk().frames;
+  ExplorerConfig config;
+  config.completion.enabled = false;
+  Exploration completing(2), plain(2, config);
+  for (const RgbdFrame& frame : frames) {
+    completing.process(frame, nullptr);
+    plain.process(frame, nullptr);
+  }
+  EXPECT_EQ(completing.completed_px.front(), 0);
+  EXPECT_GT(completing.completed_px.back(), 1000);
+  EXPECT_EQ(plain.completed_px, std::vector<int>(frames.size(), 0));
+  EXPECT_NE(completing.boxes, plain.boxes);
+  EXPECT_EQ(completing.poses, plain.poses);
+  EXPECT_EQ(completing.explorer.map().tree().size(), plain.explorer.map().tree().size());
+  const SurfaceVolume &a = completing.explorer.surface(), &b = plain.explorer.surface();
+  ASSERT_EQ(a.bricks(), b.bricks());
+  for (std::size_t i = 0; i < a.bricks().size(); ++i) {
+    ASSERT_EQ(a.brick(i).distance, b.brick(i).distance);
+    ASSERT_EQ(a.brick(i).weight, b.brick(i).weight);
   }
 }
 
