@@ -2,6 +2,7 @@
 #include <octomap/OcTree.h>
 
 #include "bench/prepared_frames.hpp"
+#include "saccade/rendering/depth_completion.hpp"
 #include "saccade/rendering/renderer.hpp"
 
 namespace saccade::bench {
@@ -17,6 +18,19 @@ void modelView(benchmark::State& state) {
   for (auto _ : state) volume.rayCast(camera, frames[i++ % frames.size()].T_WC, view);
 }
 BENCHMARK(modelView)->Arg(1)->Arg(2)->ArgName("reduction")->Unit(benchmark::kMillisecond);
+
+void completeDepth(benchmark::State& state) {
+  const SurfaceVolume volume = surfaceOfKitchen();
+  DepthCompletion completion;
+  DepthMaps completed;
+  std::size_t i = 0;
+  const auto& frames = preparedFrames();
+  for (auto _ : state) {
+    const PreparedFrame& frame = frames[i++ % frames.size()];
+    benchmark::DoNotOptimize(completion.complete(frame.depth, volume, frame.T_WC, completed));
+  }
+}
+BENCHMARK(completeDepth)->Unit(benchmark::kMillisecond);
 
 void iorView(benchmark::State& state) {
   const IorMap map = mapOfKitchen();

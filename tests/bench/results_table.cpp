@@ -141,6 +141,7 @@ std::string ResultsTable::markdown(const std::string& commit) const {
   table += row("integration: octree and surface volume", {"integrateMap", "integrateSurface"},
                {{"integrateMapByOctoMap", "OctoMap insertPointCloud, octree alone"}});
   table += row("model view, as tracking asks for it", {"modelView/reduction:2"}, {});
+  table += row("depth beyond the depth camera's view, from the surface", {"completeDepth"}, {});
   table +=
       row("2D IOR map", {"iorView"}, {{"castRayByOctoMap", "OctoMap castRay (64 times that of one ray in 64)", 64.0}});
   table += row("attending a quarter of the leaves in view", {"attendLeaves"}, {});

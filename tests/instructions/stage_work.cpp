@@ -19,6 +19,7 @@
 #include "saccade/map/ior_map.hpp"
 #include "saccade/map/surface_volume.hpp"
 #include "saccade/rendering/back_project.hpp"
+#include "saccade/rendering/depth_completion.hpp"
 #include "saccade/rendering/renderer.hpp"
 #include "saccade/sources/frame_source.hpp"
 #include "saccade/tracking/tracker.hpp"
@@ -89,6 +90,12 @@ void countMapping(const RgbdFrame& frame, const DepthMaps& depth) {
   ModelView model;
   const PinholeCamera half = depth.camera.reducedBy(2);
   count("model_view", [&] { volume.rayCast(half, T_WC, model); });
+  DepthMaps seen_less, completed;
+  cv::Mat1f inner = depth.depth_m.clone();
+  inner(cv::Rect(0, 0, inner.cols / 6, inner.rows)).setTo(0.0F);
+  DepthPreparation().prepare(inner, depth.camera, seen_less);
+  DepthCompletion completion;
+  count("complete_depth", [&] { (void)completion.complete(seen_less, volume, T_WC, completed); });
   Tracker tracker;
   IntensityPyramid intensity;
   count("grey_values", [&] { intensity.build(frame.color, depth.camera); });
