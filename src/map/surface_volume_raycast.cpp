@@ -124,7 +124,7 @@ void SurfaceVolume::rayCast(const PinholeCamera& camera, const Pose& T_WM, Model
   const auto max_range = static_cast<float>(config_.max_range_m);
   constexpr int kRows = 16;  // of pixels whose rays go together: a queue that stays in the cache
   for (int first = 0; first < camera.height; first += kRows) {
-    s.rays.reset(static_cast<std::size_t>(kRows * camera.width));
+    s.rays.reset(static_cast<std::size_t>(kRows) * static_cast<std::size_t>(camera.width));
     for (int v = first; v < std::min(first + kRows, camera.height); ++v) {
       const float* nearest = s.bounds.nearest(v);
       const std::int32_t* slices = s.bounds.slices(v);

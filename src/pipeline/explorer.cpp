@@ -165,6 +165,7 @@ Tracking Explorer::Stages::follow(const FrameLook& look, const Pose& prediction,
 /// Tracks the frame that the looks have ahead. That needs the surface volume, which has learnt from the frame before it
 /// long before the octree has.
 void Explorer::Stages::trackAhead(const Pose& prediction) {
+  ahead.reset();
   const FrameLook& look = looks.depthAhead();
   if (!look.has_depth || surface.empty()) return;
   TrackedAhead found{prediction, {}, {}};
@@ -377,7 +378,7 @@ void Explorer::requireImages(const RgbdFrame& frame) const {
   }
 }
 
-/// Tracks and maps the frame beside the look at it, which needs nothing else and was mostly begun ahead.
+/// Tracks and maps the frame beside the look at it, which waits for its pose only and was mostly begun ahead.
 FrameLook& Explorer::Stages::lookAndMap(const RgbdFrame& frame, const std::optional<Tracking>& believed,
                                         const NextFrame& next, FrameReport& report, StageClock& clock) {
   if (!looks.isAnnounced(frame)) ahead.reset();  // of another frame

@@ -46,9 +46,10 @@ class Explorer {
   /// edits nothing and no tick passes; a weakly tracked one attends but is not integrated. Throws
   /// std::invalid_argument if the frame's images do not have the camera's size.
   ///
-  /// `next`, if the caller has it already, is the frame of the call that follows: it is perceived while this one is
-  /// mapped and ranked, which keeps two threads busy all the time. Its images must not change until then; if another
-  /// frame follows after all, the work was in vain and nothing else. The results are the same with it and without.
+  /// `next`, if the caller has it already, is the frame of the call that follows: it is tracked and perceived while
+  /// this one is mapped and ranked, which keeps two threads busy all the time. Its images must not change until then;
+  /// if another frame follows after all, the work was in vain and nothing else. The results are the same with it and
+  /// without.
   FrameReport process(const RgbdFrame& frame, const RgbdFrame* next = nullptr);
   /// The same with a pose that is believed instead of tracking; none: the frame counts as lost. `next_T_WC` is the pose
   /// that will be believed of `next`.
