@@ -66,6 +66,31 @@ Errors compare(const ModelView& view, const DepthScene& scene) {
   return errors;
 }
 
+TEST(SurfaceVolume, ShowsTheSameWhereItIsWantedAndHolesElsewhere) {
+  const Pose T_WC = poseOf({0, 1, 0}, 1.0, {0.01, 0.0, 0.0});
+  SurfaceVolume volume;
+  volume.integrate(measured(cornerWithBalls(), T_WC), T_WC);
+  ModelView all, some;
+  volume.rayCast(smallCamera(), T_WC, all);
+  cv::Mat1b wanted(all.depth_m.size());
+  for (int v = 0; v < wanted.rows; ++v) {
+    for (int u = 0; u < wanted.cols; ++u) wanted(v, u) = (u / 3 + v / 5) % 2 == 0 ? 1 : 0;
+  }
+  volume.rayCast(smallCamera(), T_WC, some, &wanted);
+  int seen = 0;
+  for (int v = 0; v < wanted.rows; ++v) {
+    for (int u = 0; u < wanted.cols; ++u) {
+      const bool is_wanted = wanted(v, u) != 0;
+      EXPECT_EQ(some.depth_m(v, u), is_wanted ? all.depth_m(v, u) : 0.0F);
+      EXPECT_EQ(some.normals(v, u), is_wanted ? all.normals(v, u) : cv::Vec3f());
+      seen += some.depth_m(v, u) > 0.0F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(seen, 5000);
+  const cv::Mat1b other_size(3, 4, std::uint8_t{1});
+  EXPECT_THROW(volume.rayCast(smallCamera(), T_WC, some, &other_size), std::invalid_argument);
+}
+
 TEST(SurfaceVolume, ShowsAFusedBallAtItsExactDepth) {
   DepthScene scene;
   scene.balls = {{{0.05, -0.03, 1.2}, 0.4}};
