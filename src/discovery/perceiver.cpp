@@ -33,17 +33,26 @@ Perceiver::Perceiver(PerceptionConfig config)
 }
 
 void Perceiver::perceive(const cv::Mat3b& color, const DepthMaps* depth, Perception& seen) {
-  // Each needs the images alone: a thread that would have to wait takes a part.
+  tbb::parallel_invoke([&] { perceiveColor(color, seen); }, [&] { perceiveSurface(depth, seen); });
+  relate(color, depth, seen);
+}
+
+void Perceiver::perceiveColor(const cv::Mat3b& color, Perception& seen) {
+  // Each needs the image alone: a thread that would have to wait takes a part.
   tbb::parallel_invoke([&] { times_.color_ms = timed([&] { copy(color_.segment(color), seen.color); }); },
-                       [&] {
-                         times_.surface_ms = timed([&] {
-                           if (depth != nullptr) copy(surface_.segment(*depth), seen.surface);
-                         });
-                       },
                        [&] {
                          times_.saliency_ms = timed([&] { saliency_.compute(color).copyTo(seen.saliency); });
                          times_.blobs_ms = timed([&] { growBlobs(seen); });
                        });
+}
+
+void Perceiver::perceiveSurface(const DepthMaps* depth, Perception& seen) {
+  times_.surface_ms = timed([&] {
+    if (depth != nullptr) copy(surface_.segment(*depth), seen.surface);
+  });
+}
+
+void Perceiver::relate(const cv::Mat3b& color, const DepthMaps* depth, Perception& seen) {
   times_.tables_ms = timed([&] { seen.makeTables(color, depth, config_.planes); });
 }
 

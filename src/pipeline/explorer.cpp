@@ -227,6 +227,7 @@ const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const FrameLoo
     if (integrates) surface_clock.time("integrate surface", [&] { surface.integrate(look.depth, T_WC); });
     lookAhead(next);
   });
+  if (next.frame != nullptr) looks.perceiveColorAhead();  // after the surface, which more waits for
   if (is_lost) return nullptr;
   if (integrates) {
     forgotten =

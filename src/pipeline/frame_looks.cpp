@@ -10,9 +10,10 @@ namespace saccade {
 
 void FrameLooks::assign(Slot& slot, const RgbdFrame& frame) {
   slot.errand.settle();
+  slot.of_color.settle();
   slot.frame = frame;
   slot.prepared.emplace();
-  slot.is_begun = false;
+  slot.is_color_begun = slot.is_begun = false;
 }
 
 void FrameLooks::announce(const RgbdFrame& next) {
@@ -48,12 +49,23 @@ void FrameLooks::prepare(Slot& slot) const {
   });
 }
 
+void FrameLooks::beginColor(Slot& slot) {
+  const std::lock_guard lock(slot.color_mutex);  // a task that begins the rest may be here as well
+  if (slot.frame.color.empty() || std::exchange(slot.is_color_begun, true)) return;
+  // Isolated: whoever waits for a part of this does nothing else meanwhile, which would take as long as it takes.
+  slot.of_color.offer([&slot] {
+    tbb::this_task_arena::isolate([&] { slot.perceiver.perceiveColor(slot.frame.color, slot.look.seen); });
+  });
+}
+
 void FrameLooks::begin(Slot& slot, const SurfaceVolume& surface, const std::optional<Pose>& T_WC) {
   const auto isThere = [](const std::optional<Pose>& a, const std::optional<Pose>& b) {
     return a.has_value() == b.has_value() && (!a || a->matrix() == b->matrix());
   };
   if (slot.frame.color.empty() || (slot.is_begun && isThere(slot.seen_from, T_WC))) return;
   slot.errand.settle();
+  if (slot.is_begun) slot.is_color_begun = false;  // it may have failed, which nobody was told
+  beginColor(slot);
   slot.is_begun = true;
   slot.seen_from = T_WC;
   slot.look.is_completed = false;
@@ -76,7 +88,11 @@ void FrameLooks::perceive(Slot& slot) const {
   prepare(slot);
   FrameLook& look = slot.look;
   // Isolated: whoever waits for a part of this does nothing else meanwhile, which would take as long as it takes.
-  tbb::this_task_arena::isolate([&] { slot.perceiver.perceive(slot.frame.color, look.perceivedDepth(), look.seen); });
+  tbb::this_task_arena::isolate([&] {
+    slot.perceiver.perceiveSurface(look.perceivedDepth(), look.seen);
+    slot.of_color.finish();
+    slot.perceiver.relate(slot.frame.color, look.perceivedDepth(), look.seen);
+  });
   look.times = slot.prepared_times;
   look.times.insert(look.times.end(), slot.completion_times.begin(), slot.completion_times.end());
   const Perceiver::Times& times = slot.perceiver.times();

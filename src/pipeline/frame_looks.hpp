@@ -66,6 +66,8 @@ class FrameLooks {
   void perceiveAhead(const SurfaceVolume& surface, const std::optional<Pose>& T_WC) {
     begin(slots_[1 - current_], surface, T_WC);
   }
+  /// Begins with what the colour of the frame announced tells by itself, which needs no pose.
+  void perceiveColorAhead() { beginColor(slots_[1 - current_]); }
   [[nodiscard]] bool isPerceived() const { return slots_[current_].errand.isDone(); }
   /// Waits for the rest of the look taken, which must be begun. Its images are free then.
   void waitUntilPerceived();
@@ -90,13 +92,16 @@ class FrameLooks {
     Proposer proposer;
     std::optional<std::once_flag> prepared;  ///< who needs the depth maps first makes them
     std::vector<StageTime> prepared_times, completion_times;
+    std::mutex color_mutex;  ///< of the next line
+    bool is_color_begun = false;
     bool is_begun = false;
     std::optional<Pose> seen_from;  ///< where the map was asked to complete the depth
-    Errand errand;                  ///< last: it ends before what it works on
+    Errand of_color, errand;        ///< last: they end before what they work on; the second waits for the first
   };
 
   static void assign(Slot& slot, const RgbdFrame& frame);
   void prepare(Slot& slot) const;
+  static void beginColor(Slot& slot);
   void begin(Slot& slot, const SurfaceVolume& surface, const std::optional<Pose>& T_WC);
   void complete(Slot& slot, const SurfaceVolume& surface) const;
   void perceive(Slot& slot) const;

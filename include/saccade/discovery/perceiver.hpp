@@ -49,7 +49,7 @@ struct PerceptionConfig {
 /// Runs the attention branch on a frame: saliency, salient blobs, colour and surface segments, and their tables.
 ///
 /// Owns the stage objects with their scratch memory; the result is the caller's and shares nothing with them, so the
-/// next frame may be perceived while the last result is still in use. One object serves one thread at a time, and takes
+/// next frame may be perceived while the last result is still in use. One object serves one frame at a time, and takes
 /// idle threads of TBB to help. Needs nothing but
 /// the frame and its depth maps: no pose, no map, no memory of earlier frames.
 class Perceiver {
@@ -64,6 +64,12 @@ class Perceiver {
 
   /// Fills `seen`, whose buffers are reused. `depth` may be null: colour only.
   void perceive(const cv::Mat3b& color, const DepthMaps* depth, Perception& seen);
+
+  /// The same in parts: the first two of a frame may run beside each other, the third follows both. What colour alone
+  /// tells need not wait until the depth is known.
+  void perceiveColor(const cv::Mat3b& color, Perception& seen);
+  void perceiveSurface(const DepthMaps* depth, Perception& seen);
+  void relate(const cv::Mat3b& color, const DepthMaps* depth, Perception& seen);
 
   [[nodiscard]] const Times& times() const { return times_; }
 
