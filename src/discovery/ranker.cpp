@@ -224,12 +224,14 @@ void forEachPart(std::span<Candidate> candidates, std::vector<CandidateMeasurer>
   });
 }
 
-/// The model's probabilities; what depth hardly shows gives way to what can be remembered in the map.
+/// The model's probabilities; what depth hardly shows gives way to what can be remembered in the map, and what was
+/// attended before to what is new.
 void Ranker::score(Candidates& open, const Perception& seen) const {
   model_.score(open);
-  if (config_.paper || !seen.has_depth) return;
+  if (config_.paper) return;
   for (Candidate& candidate : open) {
-    if (!candidate.has_depth) candidate.score *= config_.unmeasured_weight;
+    if (seen.has_depth && !candidate.has_depth) candidate.score *= config_.unmeasured_weight;
+    candidate.score *= 1.0 - config_.familiar_loss * candidate.familiar_share;
   }
 }
 

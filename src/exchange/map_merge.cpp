@@ -96,7 +96,7 @@ class Merger {
   /// The memory with what remains of it counted from the merged map's now.
   [[nodiscard]] IorState shifted(IorState ior, Tick now) const {
     const std::uint32_t remaining = weight(ior, now);
-    if (remaining == 0) return {};
+    if (remaining == 0) return lasting(ior, now);
     const std::uint64_t expiry = std::uint64_t{to_.now().value} + remaining;
     return {static_cast<std::uint32_t>(std::min<std::uint64_t>(expiry, IorState::kLastExpiry)), ior.flag()};
   }

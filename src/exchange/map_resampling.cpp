@@ -122,7 +122,7 @@ class Resampler {
     if (!leaf) return false;
     node->setLogOdds(leaf->log_odds);
     if (!leaf->occupied) return true;
-    node->setIor(remembered(leaf->ior, source_.now));
+    node->setIor(lasting(leaf->ior, source_.now));
     LeafSurface surface = leaf->surface;
     const Eigen::Vector3f normal = T_MW_.linear().transpose().cast<float>() * surface.normal();
     if (normal.squaredNorm() > 0.0f) surface.setNormal(normal);

@@ -21,7 +21,7 @@ namespace {
 constexpr float kNearlyZero = 1e-6f;
 
 bool equalLeaves(const IorOcTreeNode& a, Tick now_a, const IorOcTreeNode& b, Tick now_b) {
-  return a.getLogOdds() == b.getLogOdds() && remembered(a.ior(), now_a) == remembered(b.ior(), now_b) &&
+  return a.getLogOdds() == b.getLogOdds() && lasting(a.ior(), now_a) == lasting(b.ior(), now_b) &&
          a.surface() == b.surface();
 }
 
@@ -137,7 +137,7 @@ bool IorOcTree::pruneNode(IorOcTreeNode* node) {
   if (!isNodeCollapsible(node)) return false;
   const IorOcTreeNode* child = node->child(0);
   const float log_odds = child->value;
-  const IorState ior = remembered(child->ior_, now_);
+  const IorState ior = lasting(child->ior_, now_);
   const LeafSurface surface = child->surface_;
   releaseFamily(node);  // before the payload goes in, which lies where the child mask was
   node->value = log_odds;

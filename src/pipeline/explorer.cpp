@@ -123,6 +123,7 @@ struct Explorer::Stages {
   FrameLook& lookAndMap(const RgbdFrame& frame, const std::optional<Tracking>& believed, const NextFrame& next,
                         FrameReport& report, StageClock& clock);
   [[nodiscard]] bool becomesKeyframe(const FrameLook& look, const Tracking& tracking) const;
+  InhibitionSplit inhibit(FrameLook& look, const IorView* ior) const;
   void attend(FrameReport& report);
 };
 
@@ -238,6 +239,15 @@ const IorView* Explorer::Stages::mapFrame(const RgbdFrame& frame, const FrameLoo
 
 bool Explorer::Stages::becomesKeyframe(const FrameLook& look, const Tracking& tracking) const {
   return tracking.status == TrackingStatus::kTracked && look.has_depth && keyframes.wants(tracking.T_WC);
+}
+
+/// Splits the look's pool by what the map remembers at the frame's pose; a lost frame has no `ior`.
+InhibitionSplit Explorer::Stages::inhibit(FrameLook& look, const IorView* ior) const {
+  const InhibitionConfig& inhibition = config.discovery.inhibition;
+  if (ior == nullptr) return {std::move(look.pool), {}};
+  InhibitionSplit split = withoutInhibited(std::move(look.pool), look.seen, ior->inhibited, inhibition);
+  if (inhibition.enabled) noteFamiliar(split.open, look.seen, ior->familiar);
+  return split;
 }
 
 /// Attends the leaves that the masks of the best candidates show, which closes the tick (paper, "3D IOR map update").
@@ -422,10 +432,7 @@ FrameReport Explorer::processFrame(const RgbdFrame& frame, const std::optional<T
           Keyframe{frame.index, frame.stamp_s, report.tracking.T_WC, s.extractor.extract(frame.color, look.depth)});
     });
   }
-  const cv::Mat1b inhibited_pixels = report.ior != nullptr ? report.ior->inhibited : cv::Mat1b();
-  InhibitionSplit split = clock.time("inhibit", [&] {
-    return withoutInhibited(std::move(look.pool), look.seen, inhibited_pixels, s.config.discovery.inhibition);
-  });
+  InhibitionSplit split = clock.time("inhibit", [&] { return s.inhibit(look, report.ior); });
   report.open = clock.time("rank", [&] {
     return tbb::this_task_arena::isolate([&] { return s.ranker.rank(std::move(split.open), look.seen); });
   });

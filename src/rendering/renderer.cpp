@@ -20,7 +20,8 @@ struct Renderer::Buffers {
   SurfaceView view;
   RayGrid rays;
   PixelCanvas canvas;
-  std::vector<std::uint8_t> leaf_inhibited;  ///< by leaf index + 1, so that kNoLeaf has a place: 0 or 255
+  std::vector<std::uint8_t> leaf_inhibited,
+      leaf_familiar;  ///< by leaf index + 1, so that kNoLeaf has a place: 0 or 255
   InstructionSet instructions = bestInstructionSet();
 
   void render(const MapTree& map, const PinholeCamera& camera, const Pose& T_WC, const Config& config);
@@ -64,6 +65,7 @@ void Renderer::Buffers::render(const MapTree& map, const PinholeCamera& camera, 
   ior.leaves.clear();
   ior.depth_m.create(camera.height, camera.width);
   ior.inhibited.create(camera.height, camera.width);
+  ior.familiar.create(camera.height, camera.width);
   ior.leaf_index.create(camera.height, camera.width);
   canvas.reset(ior.depth_m, ior.leaf_index);
   if (map.root && rays.prepare(camera, T_WC, map.leaf_size_m, config.near_m, config.far_m) &&
@@ -73,26 +75,33 @@ void Renderer::Buffers::render(const MapTree& map, const PinholeCamera& camera, 
   finishImages();
 }
 
-/// From inverse depth and leaf to depth and inhibition.
+/// From inverse depth and leaf to depth, inhibition and familiarity.
 void Renderer::Buffers::finishImages() {
   IorView& ior = view.ior;
   leaf_inhibited.assign(ior.leaves.size() + 1, 0);
-  bool any_inhibited = false;
+  leaf_familiar.assign(ior.leaves.size() + 1, 0);
+  bool any_familiar = false;
   for (std::size_t i = 0; i < ior.leaves.size(); ++i) {
-    const bool is_inhibited = inhibited(ior.leaves[i].ior, ior.now);
-    leaf_inhibited[i + 1] = is_inhibited ? 255 : 0;
-    any_inhibited |= is_inhibited;
+    const IorState state = ior.leaves[i].ior;
+    leaf_inhibited[i + 1] = inhibited(state, ior.now) ? 255 : 0;
+    leaf_familiar[i + 1] = isFamiliar(state) ? 255 : 0;
+    any_familiar |= isFamiliar(state);
   }
   const auto leaf_size_m = static_cast<float>(ior.leaf_size_m);
   for (int v = 0; v < ior.camera.height; ++v) {
     invertDepths(ior.depth_m[v], ior.camera.width, leaf_size_m);
-    if (any_inhibited) {
-      const std::int32_t* leaf_index = ior.leaf_index[v];
-      std::uint8_t* row = ior.inhibited[v];
-      for (int u = 0; u < ior.camera.width; ++u) row[u] = leaf_inhibited[static_cast<std::size_t>(leaf_index[u] + 1)];
+    if (!any_familiar) continue;
+    const std::int32_t* leaf_index = ior.leaf_index[v];
+    std::uint8_t *inhibited_row = ior.inhibited[v], *familiar_row = ior.familiar[v];
+    for (int u = 0; u < ior.camera.width; ++u) {
+      const auto leaf = static_cast<std::size_t>(leaf_index[u] + 1);
+      inhibited_row[u] = leaf_inhibited[leaf];
+      familiar_row[u] = leaf_familiar[leaf];
     }
   }
-  if (!any_inhibited) fillImage(ior.inhibited, std::uint8_t{0});
+  if (any_familiar) return;  // what inhibits was attended
+  fillImage(ior.inhibited, std::uint8_t{0});
+  fillImage(ior.familiar, std::uint8_t{0});
 }
 
 /// Fills the pictures beside the IorView.
@@ -171,6 +180,7 @@ IorView cloneView(const IorView& view) {
   IorView copy = view;
   copy.depth_m = view.depth_m.clone();
   copy.inhibited = view.inhibited.clone();
+  copy.familiar = view.familiar.clone();
   copy.leaf_index = view.leaf_index.clone();
   return copy;
 }

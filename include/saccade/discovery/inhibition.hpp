@@ -32,4 +32,11 @@ struct InhibitionSplit {
 [[nodiscard]] InhibitionSplit withoutInhibited(Candidates pool, const Perception& seen, const cv::Mat1b& ior,
                                                const InhibitionConfig& config = {});
 
+/// Notes how familiar each candidate is: sets familiar_share, the share of its pixels that are not 0 in `familiar`
+/// (IorView::familiar), which ranks new things first (RankingConfig::familiar_loss).
+///
+/// `familiar` has the image's size (std::invalid_argument otherwise); an empty one leaves all as they are. One pass
+/// over the image, then O(segments) a candidate.
+void noteFamiliar(Candidates& candidates, const Perception& seen, const cv::Mat1b& familiar);
+
 }  // namespace saccade

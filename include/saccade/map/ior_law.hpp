@@ -28,7 +28,7 @@ class IorState {
   constexpr IorState() = default;
   constexpr IorState(std::uint32_t expiry, bool flag) : bits_(std::min(expiry, kLastExpiry) << 1 | (flag ? 1u : 0u)) {}
 
-  /// First tick at which the leaf is forgotten; 0 = never attended.
+  /// First tick at which the leaf is forgotten; 0 = never attended. It stays when that tick is over.
   [[nodiscard]] constexpr std::uint32_t expiry() const { return bits_ >> 1; }
   /// The IOR flag as stored; it counts only before the expiry, see inhibited().
   [[nodiscard]] constexpr bool flag() const { return (bits_ & 1u) != 0; }
@@ -67,9 +67,22 @@ struct IorParameters {
   return state.flag() && state.expiry() > now.value;
 }
 
-/// The state as far as it still matters at `now`: a forgotten one is the same as none. For comparing and pruning.
+/// The state as far as it is remembered at `now`: a forgotten one is the same as none.
 [[nodiscard]] constexpr IorState remembered(IorState state, Tick now) {
   return state.expiry() > now.value ? state : IorState{};
+}
+
+/// Whether the leaf was attended at any time since it became occupied, be it forgotten or not. Beyond the paper: what
+/// was never attended is looked at first (RankingConfig::familiar_loss).
+[[nodiscard]] constexpr bool isFamiliar(IorState state) {
+  return state.expiry() > 0;
+}
+
+/// The state as far as it can matter from `now` on: of a forgotten one, only that there was one. For comparing and
+/// pruning.
+[[nodiscard]] constexpr IorState lasting(IorState state, Tick now) {
+  constexpr IorState kLongForgotten(1, false);  // who has forgotten anything is at tick 1 or later
+  return state.expiry() > now.value || !isFamiliar(state) ? state : kLongForgotten;
 }
 
 /// Of two states the one that inhibits longer, a state without the flag not at all: what inner nodes hold.

@@ -37,7 +37,8 @@ class ForgetSelection {
   std::string description_;
 };
 
-/// Clears the attention memory of the selected leaves and returns those that still remembered anything.
+/// Clears the attention memory of the selected leaves and returns those that had any: to whoever explores on, they were
+/// never attended.
 std::vector<NodeKey> forgetAttention(IorMap& map, const ForgetSelection& selection);
 
 /// One forgetting by hand, as the session records it.

@@ -26,7 +26,7 @@ struct VisibleLeaf {
 /// The 2D IOR map with depth, and the leaf behind each pixel, of one pose (paper, "2D IOR map").
 ///
 /// A value of its own: it stays good when the map changes. All images have the camera's size; a pixel whose ray meets
-/// nothing occupied in the renderer's range is a hole: depth 0, not inhibited, no leaf.
+/// nothing occupied in the renderer's range is a hole: depth 0, not inhibited, not familiar, no leaf.
 struct IorView {
   static constexpr std::int32_t kNoLeaf = -1;
 
@@ -36,6 +36,7 @@ struct IorView {
   double leaf_size_m = 0.0;         ///< edge of a finest leaf
   cv::Mat1f depth_m;                ///< where the ray enters the leaf, along the optical axis; 0 = hole
   cv::Mat1b inhibited;              ///< 255 where the leaf inhibits at `now`, else 0: the paper's I(x, y)
+  cv::Mat1b familiar;               ///< 255 where the leaf was attended at any time, else 0
   cv::Mat1i leaf_index;             ///< position in `leaves`, or kNoLeaf
   std::vector<VisibleLeaf> leaves;  ///< each seen leaf once, front to back by the octree's order
 

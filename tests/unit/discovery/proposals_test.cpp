@@ -168,6 +168,38 @@ TEST(Ranking, LowersTheScoreOfWhatDepthDoesNotShowAndOfNothingElse) {
   EXPECT_LT(measured, lowered.size());
 }
 
+TEST(Ranking, LowersTheScoreOfWhatWasAttendedBeforeByItsShare) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  Candidates pool = proposeCandidates(scene.seen, anyArea());
+  RankingConfig config = keepingAll(pool);
+  const Candidates as_judged = Ranker(config).rank(pool, scene.seen);
+  for (std::size_t i = 0; i < pool.size(); ++i) pool[i].familiar_share = static_cast<double>(i % 5) / 4.0;
+  config.familiar_loss = 0.75;
+  const Candidates lowered = Ranker(config).rank(pool, scene.seen);
+  ASSERT_EQ(lowered.size(), as_judged.size());
+  for (const Candidate& candidate : lowered) {
+    const Candidate* same = findSame(as_judged, candidate);
+    ASSERT_NE(same, nullptr);
+    EXPECT_DOUBLE_EQ(candidate.score, (1.0 - 0.75 * candidate.familiar_share) * same->score);
+  }
+  config.familiar_loss = 0.0;
+  const Candidates heedless = Ranker(config).rank(pool, scene.seen);
+  ASSERT_EQ(heedless.size(), as_judged.size());
+  for (std::size_t i = 0; i < heedless.size(); ++i) EXPECT_EQ(heedless[i].segments, as_judged[i].segments) << i;
+}
+
+TEST(Ranking, OfThePaperKnowsNothingOfWhatWasForgotten) {
+  const test::RandomScene scene = test::randomScene({160, 120}, 60, 7);
+  Candidates pool = proposeCandidates(scene.seen, anyArea());
+  RankingConfig config = keepingAll(pool);
+  config.paper = true;
+  const Candidates before = Ranker(config).rank(pool, scene.seen);
+  for (Candidate& candidate : pool) candidate.familiar_share = 1.0;
+  const Candidates after = Ranker(config).rank(pool, scene.seen);
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].score, before[i].score) << i;
+}
+
 TEST(Suppression, LetsADistantThingPassASecondViewOfTheBest) {
   Candidates sorted(3);
   sorted[0].box = {0, 0, 40, 40};

@@ -83,7 +83,8 @@ TEST(MergeMaps, KeepsTheLongerRemainingMemoryCountedFromTheMergedNow) {
   EXPECT_EQ(merged.now(), Tick{110});
   EXPECT_EQ(leafAt(merged, 0, 0, 0).ior, IorState(115, true));
   EXPECT_EQ(leafAt(merged, 3, 0, 0).ior, IorState(112, true));
-  EXPECT_EQ(leafAt(merged, 6, 0, 0).ior, IorState());
+  EXPECT_EQ(weight(leafAt(merged, 6, 0, 0).ior, merged.now()), 0U);
+  EXPECT_TRUE(isFamiliar(leafAt(merged, 6, 0, 0).ior)) << "it was attended once";
 }
 
 TEST(MergeMaps, LiftsInhibitionWhereTheSceneChangedUnderIt) {

@@ -96,6 +96,26 @@ TEST(IorLaw, ForgottenMemoryEqualsNone) {
   EXPECT_EQ(IorState::fromBits(state.bits()), state);
 }
 
+TEST(IorLaw, AttendedLeafStaysFamiliarWhenItIsForgotten) {
+  EXPECT_FALSE(isFamiliar({}));
+  const IorState attended = attend({}, Tick{0}, {});
+  EXPECT_TRUE(isFamiliar(attended));
+  const Tick long_after{1000};
+  ASSERT_EQ(weight(attended, long_after), 0u);
+  EXPECT_TRUE(isFamiliar(lasting(attended, long_after)));
+}
+
+TEST(IorLaw, OfForgottenMemoryItLastsThatThereWasSome) {
+  EXPECT_EQ(lasting(IorState(10, true), Tick{9}), IorState(10, true));
+  EXPECT_EQ(lasting(IorState(10, true), Tick{10}), lasting(IorState(7, false), Tick{10}));
+  EXPECT_EQ(lasting({}, Tick{10}), IorState{});
+  for (const std::uint32_t now : {1u, 10u, IorState::kLastExpiry}) {
+    const IorState forgotten = lasting(IorState(1, true), Tick{now});
+    EXPECT_EQ(weight(forgotten, Tick{now}), 0u);
+    EXPECT_FALSE(inhibited(forgotten, Tick{now}));
+  }
+}
+
 TEST(IorLaw, RefusesParametersOutOfRange) {
   IorParameters parameters;
   EXPECT_NO_THROW(requireValid(parameters));

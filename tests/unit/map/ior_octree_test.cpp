@@ -123,13 +123,14 @@ TEST(IorOcTree, ExpandedAndPrunedIsTheSameTree) {
   EXPECT_TRUE(tree == twin);
 }
 
-TEST(IorOcTree, PruningKeepsLeavesThatDifferOnlyInMemoryUntilItIsForgotten) {
+TEST(IorOcTree, PruningKeepsLeavesThatDifferOnlyInMemoryUntilAllHaveForgotten) {
   IorOcTree tree(kLeafSize_m);
   for (int i = 0; i < 8; ++i) {
     const octomap::OcTreeKey key(static_cast<octomap::key_type>(32768 + (i & 1)),
                                  static_cast<octomap::key_type>(32768 + (i >> 1 & 1)),
                                  static_cast<octomap::key_type>(32768 + (i >> 2)));
     tree.setNodeValue(key, 3.0f);
+    tree.findFinestLeaf(key)->setIor(IorState(5, false));
   }
   IorOcTreeNode* leaf = tree.findFinestLeaf({32768, 32768, 32768});
   leaf->setIor(IorState(20, true));
@@ -141,6 +142,20 @@ TEST(IorOcTree, PruningKeepsLeavesThatDifferOnlyInMemoryUntilItIsForgotten) {
   tree.setNow(Tick{20});
   tree.prune();
   EXPECT_EQ(tree.size(), size - 8);
+  EXPECT_TRUE(isFamiliar(tree.search(octomap::OcTreeKey(32768, 32768, 32768))->ior()));
+}
+
+TEST(IorOcTree, PruningKeepsApartWhatWasAttendedOnceAndWhatNeverWas) {
+  IorOcTree tree(kLeafSize_m);
+  for (unsigned short i = 0; i < 8; ++i) {
+    const auto part = [i](int axis) { return static_cast<octomap::key_type>(32768 + (i >> axis & 1)); };
+    tree.setNodeValue(octomap::OcTreeKey(part(0), part(1), part(2)), 3.0f);
+  }
+  tree.findFinestLeaf({32768, 32768, 32768})->setIor(IorState(20, true));
+  tree.setNow(Tick{1000});
+  tree.prune();
+  EXPECT_TRUE(isFamiliar(tree.search(octomap::OcTreeKey(32768, 32768, 32768))->ior()));
+  EXPECT_FALSE(isFamiliar(tree.search(octomap::OcTreeKey(32769, 32768, 32768))->ior()));
 }
 
 TEST(IorOcTree, LeafThatTurnsFreeIsForgotten) {

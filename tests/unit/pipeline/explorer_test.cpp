@@ -163,6 +163,25 @@ TEST(Explorer, ProposesWithTheSettingsItIsGiven) {
   }
 }
 
+/// In the first frame all is new; later, with the loss, the looks go where less was attended before.
+TEST(Explorer, LooksAtNewThingsBeforeFamiliarOnes) {
+  const auto& frames = desk().frames;
+  const auto revisited = [&frames](double loss, bool inhibits) {
+    ExplorerConfig config;
+    config.discovery.ranking.familiar_loss = loss;
+    config.discovery.inhibition.enabled = inhibits;
+    Explorer explorer(config, desk().camera);
+    double sum = 0.0;
+    for (const RgbdFrame& frame : frames) {
+      const FrameReport report = explorer.process(frame, nullptr);
+      for (const double share : report.revisited_share) sum += share;
+    }
+    return sum;
+  };
+  EXPECT_LT(revisited(1.0, true), 0.8 * revisited(0.0, true));
+  EXPECT_EQ(revisited(1.0, false), revisited(0.0, false)) << "without inhibition no attention has a memory";
+}
+
 TEST(Explorer, RefusesAFrameOfAnotherSizeAtItsOwnTurn) {
   const auto& frames = desk().frames;
   RgbdFrame small = frames[1];
