@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/lanes.hpp"
 #include "saccade/core/multiversion.hpp"
@@ -35,6 +36,7 @@ void RayBounds::reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, 
   c.cy = static_cast<float>(camera.cy);
   c.last_u = static_cast<float>(camera.width - 1);
   c.last_v = static_cast<float>(camera.height - 1);
+  c.sample = sample_m;
   c.half = 1.5F * sample_m;  // half a sample to its samples, and one to the surface
   c.half_deep = c.half * R_CW.row(2).cwiseAbs().sum();
   c.lead = 0.25F * sample_m;
@@ -51,9 +53,52 @@ void RayBounds::reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, 
   rows_ = (camera.height + kCellPixels - 1) / kCellPixels;
   nearest_.assign(static_cast<std::size_t>(stride_ * rows_), kNever);
   slices_.assign(static_cast<std::size_t>(stride_ * rows_), 0);
+  is_limited_ = false;
+}
+
+void RayBounds::limitTo(const cv::Mat1b& wanted) {
+  is_limited_ = true;
+  const auto stride = static_cast<std::size_t>(stride_);
+  wanted_before_.assign(stride * static_cast<std::size_t>(rows_ + 1), 0);
+  for (int v = 0; v < wanted.rows; ++v) {
+    std::int32_t* below = wanted_before_.data() + static_cast<std::size_t>(v / kCellPixels + 1) * stride;
+    for (int u = 0; u < wanted.cols; ++u) below[u / kCellPixels + 1] |= wanted(v, u) != 0 ? 1 : 0;
+  }
+  for (int row = 0; row < rows_; ++row) {
+    const std::int32_t* above = wanted_before_.data() + static_cast<std::size_t>(row) * stride;
+    std::int32_t* below = wanted_before_.data() + static_cast<std::size_t>(row + 1) * stride;
+    std::int32_t in_row = 0;
+    for (int column = 1; column < stride_; ++column) below[column] = above[column] + (in_row += below[column]);
+  }
+}
+
+/// Whether a block of the brick may be drawn to a cell that is wanted.
+bool RayBounds::isWanted(const Eigen::Vector3f& centre_C) const {
+  const Constants& c = constants_;
+  const float block_away = 3.0F * std::sqrt(3.0F) * c.sample, corner_away = std::sqrt(3.0F) * c.half;
+  const float near = centre_C.z() - block_away - corner_away;
+  if (near <= kNearest_m) return true;
+  // By how much x / z changes to a block's centre, and from there on to what draw() takes for its cube's reach.
+  const float change = block_away + corner_away * (1.0F + block_away / near);
+  const auto cells = [&](float f, float centre, float last, float x, int* ends) {
+    constexpr float kRounding_px = 2.0F;
+    const float t = x / centre_C.z(), at = f * t + centre;
+    const float reach = f * std::sqrt(1.0F + t * t) * change / near + kRounding_px;
+    if (at + reach < 0.0F || at - reach > last) return false;
+    ends[0] = static_cast<int>(std::max(at - reach, 0.0F)) / kCellPixels;
+    ends[1] = static_cast<int>(std::min(at + reach, last)) / kCellPixels + 1;
+    return true;
+  };
+  int u[2], v[2];
+  if (!cells(c.fx, c.cx, c.last_u, centre_C.x(), u) || !cells(c.fy, c.cy, c.last_v, centre_C.y(), v)) return false;
+  const auto before = [&](int row, int column) {
+    return wanted_before_[static_cast<std::size_t>(row * stride_ + column)];
+  };
+  return before(v[1], u[1]) - before(v[0], u[1]) - before(v[1], u[0]) + before(v[0], u[0]) > 0;
 }
 
 void RayBounds::add(const Eigen::Vector3f& centre_C, std::uint64_t blocks) {
+  if (is_limited_ && !isWanted(centre_C)) return;
   draw(constants_, centre_C.data(), blocks, stride_, rows_, nearest_.data(), slices_.data());
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <opencv2/core.hpp>
 
 #include "saccade/core/camera.hpp"
 
@@ -21,6 +22,10 @@ class RayBounds {
   /// Forgets all blocks; R_CW turns world directions into the camera's, `sample_m` is the distance of samples.
   void reset(const PinholeCamera& camera, const Eigen::Matrix3f& R_CW, float sample_m, float max_range_m);
 
+  /// Says which pixels' bounds will be asked for, those that are not 0: bricks that bound no such pixel's cell may be
+  /// left out. Until the next reset(); `wanted` has the camera's size.
+  void limitTo(const cv::Mat1b& wanted);
+
   /// Adds blocks of the brick whose centre lies at `centre_C`. A surface can lie up to one sample outside of a block
   /// whose samples are behind it.
   void add(const Eigen::Vector3f& centre_C, std::uint64_t blocks);
@@ -36,9 +41,12 @@ class RayBounds {
     return static_cast<std::size_t>(v / kCellPixels) * static_cast<std::size_t>(stride_);
   }
 
+  [[nodiscard]] bool isWanted(const Eigen::Vector3f& centre_C) const;
+
   struct Constants {
     float fx, fy, cx, cy;
     float last_u, last_v;
+    float sample;     // distance of samples, metres
     float half;       // half edge of what a block bounds, metres
     float half_deep;  // half of the depth that it spans
     float lead;       // by how much rays start before it, to see the side before the surface
@@ -53,6 +61,8 @@ class RayBounds {
   int stride_ = 0, rows_ = 0;  // cells
   std::vector<float> nearest_;
   std::vector<std::int32_t> slices_;
+  bool is_limited_ = false;
+  std::vector<std::int32_t> wanted_before_;  // wanted cells above and left of each corner, rows of `stride_`
 };
 
 }  // namespace saccade

@@ -69,10 +69,11 @@ void SurfaceVolume::buildDirectory() const {
   std::fill_n(s.samples.data(), SurfaceGrid::kCopy, SurfaceBrick::kUnknownDistance);
 }
 
-void SurfaceVolume::boundRays(const PinholeCamera& camera, const Pose& T_WM) const {
+void SurfaceVolume::boundRays(const PinholeCamera& camera, const Pose& T_WM, const cv::Mat1b* wanted) const {
   Scratch& s = *scratch_;
   s.bounds.reset(camera, T_WM.linear().transpose().cast<float>(), static_cast<float>(config_.cell_m),
                  static_cast<float>(config_.max_range_m));
+  if (wanted != nullptr) s.bounds.limitTo(*wanted);
   for (std::size_t i = 0; i < s.visible.size(); ++i) {
     const std::uint64_t blocks = behind_[static_cast<std::size_t>(s.visible[i])];
     if (blocks != 0) s.bounds.add(s.centres[i], blocks);
@@ -96,7 +97,7 @@ void SurfaceVolume::rayCast(const PinholeCamera& camera, const Pose& T_WM, Model
   findVisible(camera, T_WM);
   if (scratch_->visible.empty()) return;
   buildDirectory();
-  boundRays(camera, T_WM);
+  boundRays(camera, T_WM, wanted);
 
   Scratch& s = *scratch_;
   SurfaceGrid grid{s.directory.data(),

@@ -18,17 +18,24 @@ bool isMeasured(float depth_m) {
   return depth_m > 0.0F;
 }
 
-/// Moves the edge of each column on by `step` where it stands at row `v` and nothing is measured there. Returns whether
-/// any moved.
+/// Moves the edge of each column from `begin` to `end` on by `step` where it stands at row `v` and nothing is measured
+/// there.
 SACCADE_MULTIVERSION
-bool moveEdges(const float* depth_m, int width, int v, int step, int* edges) {
-  int moved = 0;
-  for (int u = 0; u < width; ++u) {
+void moveEdges(const float* depth_m, int begin, int end, int v, int step, int* edges) {
+  for (int u = begin; u < end; ++u) {
     const int moves = static_cast<int>(edges[u] == v) & static_cast<int>(!(depth_m[u] > 0.0F));
     edges[u] += moves * step;
-    moved |= moves;
   }
-  return moved != 0;
+}
+
+/// Moves the edges of all columns, which stand at row `from`, on to the first one that is measured, or past the image.
+void findEdges(const cv::Mat1f& depth_m, int from, int step, int* edges) {
+  int begin = 0, end = depth_m.cols;  // of the columns whose edges still move
+  for (int v = from; v >= 0 && v < depth_m.rows && begin < end; v += step) {
+    moveEdges(depth_m[v], begin, end, v, step, edges);
+    while (begin < end && edges[begin] != v + step) ++begin;
+    while (begin < end && edges[end - 1] != v + step) --end;
+  }
 }
 
 /// Marks what of row `v` lies above or below all that is measured in its column.
@@ -45,10 +52,11 @@ void DepthCompletion::findStrips(const cv::Mat1f& depth_m) {
   const int width = depth_m.cols, height = depth_m.rows;
   first_.assign(static_cast<std::size_t>(width), 0);
   last_.assign(static_cast<std::size_t>(width), height - 1);
-  for (int v = 0; v < height && moveEdges(depth_m[v], width, v, 1, first_.data()); ++v) {
+  findEdges(depth_m, 0, 1, first_.data());
+  for (std::size_t u = 0; u < first_.size(); ++u) {
+    if (first_[u] == height) last_[u] = -1;  // what the next line would find, slowly
   }
-  for (int v = height - 1; v >= 0 && moveEdges(depth_m[v], width, v, -1, last_.data()); --v) {
-  }
+  findEdges(depth_m, height - 1, -1, last_.data());
   strips_.create(height, width);
   for (int v = 0; v < height; ++v) {
     const float* row = depth_m[v];

@@ -105,7 +105,7 @@ class SurfaceVolume {
   void allocateBand(const DepthMaps& depth, const Pose& T_WC);
   void findVisible(const PinholeCamera& camera, const Pose& T_WC) const;
   void buildDirectory() const;
-  void boundRays(const PinholeCamera& camera, const Pose& T_WM) const;
+  void boundRays(const PinholeCamera& camera, const Pose& T_WM, const cv::Mat1b* wanted) const;
   std::int32_t findOrAllocate(const BrickPosition& position);
   [[nodiscard]] std::int32_t find(const BrickPosition& position) const;
   [[nodiscard]] SurfaceBrick* takeRoom();
