@@ -343,12 +343,16 @@ SaliencyModel::SaliencyModel(SaliencyModel&&) noexcept = default;
 SaliencyModel& SaliencyModel::operator=(SaliencyModel&&) noexcept = default;
 
 const cv::Mat1f& SaliencyModel::compute(const cv::Mat3b& bgr) {
+  compute(bgr, map_);
+  return map_;
+}
+
+void SaliencyModel::compute(const cv::Mat3b& bgr, cv::Mat1f& map) {
   if (bgr.empty()) {
     throw std::invalid_argument("saliency: expected an image, found an empty one");
   }
   if (!pyramid_ || pyramid_->size != bgr.size()) {
     pyramid_ = std::make_unique<Pyramid>(config_, bgr.size());
-    map_.create(bgr.size());
   }
   for (Octave& octave : pyramid_->octaves) {
     std::fill(octave.contrast.values.begin(), octave.contrast.values.end(), 0.0F);
@@ -357,8 +361,8 @@ const cv::Mat1f& SaliencyModel::compute(const cv::Mat3b& bgr) {
   for (int channel = 0; channel < kChannels; ++channel) {
     pyramid_->addContrast(channel);
   }
-  pyramid_->stretch(pyramid_->fuse(), map_);
-  return map_;
+  map.create(bgr.size());
+  pyramid_->stretch(pyramid_->fuse(), map);
 }
 
 }  // namespace saccade

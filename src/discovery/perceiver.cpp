@@ -16,11 +16,6 @@ double timed(const Work& work) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
-void copy(const Segmentation& from, Segmentation& to) {
-  from.labels.copyTo(to.labels);
-  to.count = from.count;
-}
-
 }  // namespace
 
 Perceiver::Perceiver(PerceptionConfig config)
@@ -39,16 +34,16 @@ void Perceiver::perceive(const cv::Mat3b& color, const DepthMaps* depth, Percept
 
 void Perceiver::perceiveColor(const cv::Mat3b& color, Perception& seen) {
   // Each needs the image alone: a thread that would have to wait takes a part.
-  tbb::parallel_invoke([&] { times_.color_ms = timed([&] { copy(color_.segment(color), seen.color); }); },
+  tbb::parallel_invoke([&] { times_.color_ms = timed([&] { color_.segment(color, seen.color); }); },
                        [&] {
-                         times_.saliency_ms = timed([&] { saliency_.compute(color).copyTo(seen.saliency); });
+                         times_.saliency_ms = timed([&] { saliency_.compute(color, seen.saliency); });
                          times_.blobs_ms = timed([&] { growBlobs(seen); });
                        });
 }
 
 void Perceiver::perceiveSurface(const DepthMaps* depth, Perception& seen) {
   times_.surface_ms = timed([&] {
-    if (depth != nullptr) copy(surface_.segment(*depth), seen.surface);
+    if (depth != nullptr) surface_.segment(*depth, seen.surface);
   });
 }
 

@@ -278,16 +278,20 @@ ColorSegmenter::ColorSegmenter(ColorSegmenter&&) noexcept = default;
 ColorSegmenter& ColorSegmenter::operator=(ColorSegmenter&&) noexcept = default;
 
 const Segmentation& ColorSegmenter::segment(const cv::Mat3b& bgr) {
+  segment(bgr, segmentation_);
+  return segmentation_;
+}
+
+void ColorSegmenter::segment(const cv::Mat3b& bgr, Segmentation& segmentation) {
   if (bgr.empty()) {
     throw std::invalid_argument("colour segments: expected an image, found an empty one");
   }
   if (config_.halved) {
     graph_->segment(upsampler_->halve(bgr), half_);
-    upsampler_->upsample(half_, bgr, segmentation_);
+    upsampler_->upsample(half_, bgr, segmentation);
   } else {
-    graph_->segment(bgr, segmentation_);
+    graph_->segment(bgr, segmentation);
   }
-  return segmentation_;
 }
 
 }  // namespace saccade

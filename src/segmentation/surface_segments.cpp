@@ -391,6 +391,11 @@ SurfaceSegmenter::SurfaceSegmenter(SurfaceSegmenter&&) noexcept = default;
 SurfaceSegmenter& SurfaceSegmenter::operator=(SurfaceSegmenter&&) noexcept = default;
 
 const Segmentation& SurfaceSegmenter::segment(const DepthMaps& depth) {
+  segment(depth, segmentation_);
+  return segmentation_;
+}
+
+void SurfaceSegmenter::segment(const DepthMaps& depth, Segmentation& segmentation) {
   const cv::Mat1f& depth_m = depth.depth_m;
   if (depth_m.empty() || depth_m.cols != depth.camera.width || depth_m.rows != depth.camera.height) {
     throw std::invalid_argument("surface segments: expected depth of the camera's size " +
@@ -411,9 +416,8 @@ const Segmentation& SurfaceSegmenter::segment(const DepthMaps& depth) {
     s.absorbRest();
   }
 
-  s.assignPixels(depth_m, segmentation_.labels);
-  segmentation_.count = s.numberPatches(segmentation_.labels);
-  return segmentation_;
+  s.assignPixels(depth_m, segmentation.labels);
+  segmentation.count = s.numberPatches(segmentation.labels);
 }
 
 }  // namespace saccade

@@ -39,6 +39,8 @@ class SaliencyModel {
   /// The saliency map of a BGR image: same size, values stretched to [0, 1]; zero everywhere if the image shows no
   /// contrast. The map is overwritten by the next call. Throws std::invalid_argument on an empty image.
   const cv::Mat1f& compute(const cv::Mat3b& bgr);
+  /// The same, written to `map`, whose buffer is reused.
+  void compute(const cv::Mat3b& bgr, cv::Mat1f& map);
 
   [[nodiscard]] const SaliencyConfig& config() const { return config_; }
 

@@ -42,6 +42,8 @@ class ColorSegmenter {
   /// Segments of a BGR image; every pixel belongs to one. The result is overwritten by the next call. Throws
   /// std::invalid_argument on an empty image.
   const Segmentation& segment(const cv::Mat3b& bgr);
+  /// The same, written to `segmentation`, whose buffer is reused.
+  void segment(const cv::Mat3b& bgr, Segmentation& segmentation);
 
   [[nodiscard]] const ColorSegmentsConfig& config() const { return config_; }
 

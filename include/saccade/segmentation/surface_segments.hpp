@@ -42,6 +42,8 @@ class SurfaceSegmenter {
   /// Surface patches; -1 where there is no depth or only noise. The result is overwritten by the next call. Reads
   /// `depth_m` and `camera` of the maps. Throws std::invalid_argument if they are empty or disagree in size.
   const Segmentation& segment(const DepthMaps& depth);
+  /// The same, written to `segmentation`, whose buffer is reused.
+  void segment(const DepthMaps& depth, Segmentation& segmentation);
 
   [[nodiscard]] const SurfaceSegmentsConfig& config() const { return config_; }
 
