@@ -100,6 +100,7 @@ Json jsonOf(const MapLeaf& leaf, const PointAnswer& answer) {
           {"observations", leaf.surface.observations},
           {"ior_weight", left},
           {"inhibited", inhibited(leaf.ior, answer.now)},
+          {"familiar", isFamiliar(leaf.ior)},
           {"forgotten_at_tick", left > 0 ? Json(leaf.ior.expiry()) : Json(nullptr)}};
 }
 
@@ -120,6 +121,14 @@ void printJson(const PointAnswer& answer) {
   std::cout << json.dump(2) << "\n";
 }
 
+std::string attentionText(IorState ior, Tick now) {
+  if (!isFamiliar(ior)) return "never attended";
+  const std::uint32_t left = weight(ior, now);
+  if (left == 0) return "forgotten, but familiar";
+  return fmt::format("{}, forgotten at tick {}, in {} ticks", inhibited(ior, now) ? "inhibited" : "remembered",
+                     ior.expiry(), left);
+}
+
 void printText(const PointAnswer& answer) {
   std::vector<std::vector<std::string>> rows = {
       {"point", fmt::format("{:g} {:g} {:g} m in W", answer.p_W.x(), answer.p_W.y(), answer.p_W.z())},
@@ -128,15 +137,10 @@ void printText(const PointAnswer& answer) {
   if (answer.leaf && answer.leaf->occupied) {
     const LeafSurface& surface = answer.leaf->surface;
     const Eigen::Vector3f n = surface.normal();
-    const std::uint32_t left = weight(answer.leaf->ior, answer.now);
     rows.push_back({"colour", fmt::format("#{:02x}{:02x}{:02x}", surface.red, surface.green, surface.blue)});
     rows.push_back({"normal", n.isZero() ? "none" : fmt::format("{:.2f} {:.2f} {:.2f}", n.x(), n.y(), n.z())});
     rows.push_back({"seen in", fmt::format("{} frames", surface.observations)});
-    rows.push_back({"attention", left == 0
-                                     ? "forgotten, or never attended"
-                                     : fmt::format("{}, forgotten at tick {}, in {} ticks",
-                                                   inhibited(answer.leaf->ior, answer.now) ? "inhibited" : "remembered",
-                                                   answer.leaf->ior.expiry(), left)});
+    rows.push_back({"attention", attentionText(answer.leaf->ior, answer.now)});
   }
   rows.push_back({"object", answer.object ? std::to_string(answer.object->value) : "none"});
   rows.push_back({"attended", grouped(static_cast<std::int64_t>(answer.attentions.size())) + " times until tick " +
