@@ -100,7 +100,7 @@ Json jsonOf(const MapLeaf& leaf, const PointAnswer& answer) {
           {"observations", leaf.surface.observations},
           {"ior_weight", left},
           {"inhibited", inhibited(leaf.ior, answer.now)},
-          {"familiar", isFamiliar(leaf.ior)},
+          {"familiar", isFamiliar(leaf.ior, answer.now)},
           {"forgotten_at_tick", left > 0 ? Json(leaf.ior.expiry()) : Json(nullptr)}};
 }
 
@@ -122,11 +122,10 @@ void printJson(const PointAnswer& answer) {
 }
 
 std::string attentionText(IorState ior, Tick now) {
-  if (!isFamiliar(ior)) return "never attended";
-  const std::uint32_t left = weight(ior, now);
-  if (left == 0) return "forgotten, but familiar";
+  if (!wasAttended(ior)) return "never attended";
+  if (isFamiliar(ior, now)) return "forgotten, but familiar";
   return fmt::format("{}, forgotten at tick {}, in {} ticks", inhibited(ior, now) ? "inhibited" : "remembered",
-                     ior.expiry(), left);
+                     ior.expiry(), weight(ior, now));
 }
 
 void printText(const PointAnswer& answer) {

@@ -225,7 +225,7 @@ void forEachPart(std::span<Candidate> candidates, std::vector<CandidateMeasurer>
 }
 
 /// The model's probabilities; what depth hardly shows gives way to what can be remembered in the map, and what was
-/// attended before to what is new.
+/// attended and forgotten to what is new.
 void Ranker::score(Candidates& open, const Perception& seen) const {
   model_.score(open);
   if (config_.paper) return;

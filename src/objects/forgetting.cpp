@@ -81,7 +81,7 @@ ForgetSelection ForgetSelection::object(const AttendedObject& object) {
 std::vector<NodeKey> forgetAttention(IorMap& map, const ForgetSelection& selection) {
   std::vector<NodeKey> forgotten;
   map.forEachLeaf([&](const MapLeaf& leaf) {
-    if (!isFamiliar(leaf.ior) || !selection.contains(leaf, map.config().leaf_size_m)) return;
+    if (!wasAttended(leaf.ior) || !selection.contains(leaf, map.config().leaf_size_m)) return;
     forgotten.push_back(leaf.key);
   });
   IorOcTree& tree = map.tree();

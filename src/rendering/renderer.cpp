@@ -80,17 +80,17 @@ void Renderer::Buffers::finishImages() {
   IorView& ior = view.ior;
   leaf_inhibited.assign(ior.leaves.size() + 1, 0);
   leaf_familiar.assign(ior.leaves.size() + 1, 0);
-  bool any_familiar = false;
+  bool any_attended = false;
   for (std::size_t i = 0; i < ior.leaves.size(); ++i) {
     const IorState state = ior.leaves[i].ior;
     leaf_inhibited[i + 1] = inhibited(state, ior.now) ? 255 : 0;
-    leaf_familiar[i + 1] = isFamiliar(state) ? 255 : 0;
-    any_familiar |= isFamiliar(state);
+    leaf_familiar[i + 1] = isFamiliar(state, ior.now) ? 255 : 0;
+    any_attended |= wasAttended(state);
   }
   const auto leaf_size_m = static_cast<float>(ior.leaf_size_m);
   for (int v = 0; v < ior.camera.height; ++v) {
     invertDepths(ior.depth_m[v], ior.camera.width, leaf_size_m);
-    if (!any_familiar) continue;
+    if (!any_attended) continue;
     const std::int32_t* leaf_index = ior.leaf_index[v];
     std::uint8_t *inhibited_row = ior.inhibited[v], *familiar_row = ior.familiar[v];
     for (int u = 0; u < ior.camera.width; ++u) {
@@ -99,7 +99,7 @@ void Renderer::Buffers::finishImages() {
       familiar_row[u] = leaf_familiar[leaf];
     }
   }
-  if (any_familiar) return;  // what inhibits was attended
+  if (any_attended) return;
   fillImage(ior.inhibited, std::uint8_t{0});
   fillImage(ior.familiar, std::uint8_t{0});
 }

@@ -237,9 +237,9 @@ TEST(Forget, AnObjectIsForgottenAndTheRestIsNot) {
     map.forEachLeaf([&](const MapLeaf& leaf) { count += inhibited(leaf.ior, map.now()) ? 1 : 0; });
     return count;
   };
-  const auto familiarLeaves = [&] {
+  const auto attendedLeaves = [&] {
     std::size_t count = 0;
-    loadMap(SessionReader(session)).forEachLeaf([&](const MapLeaf& leaf) { count += isFamiliar(leaf.ior) ? 1 : 0; });
+    loadMap(SessionReader(session)).forEachLeaf([&](const MapLeaf& leaf) { count += wasAttended(leaf.ior) ? 1 : 0; });
     return count;
   };
   const std::size_t before = inhibitedLeaves();
@@ -255,10 +255,10 @@ TEST(Forget, AnObjectIsForgottenAndTheRestIsNot) {
 
   EXPECT_EQ(runSaccade({"forget", session, "--box", "9", "9", "9", "10", "10", "10"}).exit_code, 0);
   EXPECT_GT(inhibitedLeaves(), 0U);
-  EXPECT_GT(familiarLeaves(), 0U);
+  EXPECT_GT(attendedLeaves(), 0U);
   EXPECT_EQ(runSaccade({"forget", session, "--all"}).exit_code, 0);
   EXPECT_EQ(inhibitedLeaves(), 0U);
-  EXPECT_EQ(familiarLeaves(), 0U) << "also what attention had forgotten by itself is new again";
+  EXPECT_EQ(attendedLeaves(), 0U) << "also what attention had forgotten by itself is new again";
 }
 
 TEST(Forget, WantsExactlyOneSelectionAndASessionThatIsThere) {

@@ -71,7 +71,7 @@ struct Candidate {
 
   double score = 0.0;            ///< the ranker's probability of being an object
   double inhibited_share = 0.0;  ///< share of the mask that is white in the 2D IOR map
-  double familiar_share = 0.0;   ///< share of the mask that shows leaves attended at any time; 0 without inhibition
+  double familiar_share = 0.0;   ///< share of the mask that was attended and is forgotten; 0 without inhibition
   bool inhibited = false;        ///< inhibited_share ≥ θ
 };
 

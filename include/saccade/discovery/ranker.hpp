@@ -54,8 +54,8 @@ struct RankingConfig {
              "factor on the score of candidates that depth hardly shows (features.min_depth_share): few leaves can "
              "remember them");
     v.number("familiar_loss", familiar_loss, {0.0, 1.0}, "",
-             "share of its score that a candidate loses of which all was attended before, however long ago: what is "
-             "new is looked at first");
+             "share of its score that a candidate loses of which all was attended and is forgotten, however long ago: "
+             "what is new is looked at first");
     v.section("features", features, "measuring candidates");
   }
 };
@@ -77,7 +77,8 @@ class Ranker {
   /// overlap with those ranked before it (as Bodla et al. 2017), by `suppress_power` among the first `top_k`, which are
   /// attended, by `cover_power` after them, and by up to `inside_loss` if it lies inside one of them. There the list
   /// ends with the last score of `min_score` or more, unless `config.paper`. In frames with depth, candidates that it
-  /// does not show (`has_depth`) weigh `unmeasured_weight`, and what was attended before loses up to `familiar_loss`,
+  /// does not show (`has_depth`) weigh `unmeasured_weight`, and what was attended and is forgotten loses up to
+  /// `familiar_loss`,
   /// unless `config.paper`.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
 

@@ -72,17 +72,22 @@ struct IorParameters {
   return state.expiry() > now.value ? state : IorState{};
 }
 
-/// Whether the leaf was attended at any time since it became occupied, be it forgotten or not. Beyond the paper: what
-/// was never attended is looked at first (RankingConfig::familiar_loss).
-[[nodiscard]] constexpr bool isFamiliar(IorState state) {
+/// Whether the leaf was attended at any time since it became occupied, be it forgotten or not.
+[[nodiscard]] constexpr bool wasAttended(IorState state) {
   return state.expiry() > 0;
+}
+
+/// Whether the leaf was attended and forgotten since. Beyond the paper: attention may return to it, but to what it
+/// never attended, or has not had enough of, it goes first (RankingConfig::familiar_loss).
+[[nodiscard]] constexpr bool isFamiliar(IorState state, Tick now) {
+  return wasAttended(state) && state.expiry() <= now.value;
 }
 
 /// The state as far as it can matter from `now` on: of a forgotten one, only that there was one. For comparing and
 /// pruning.
 [[nodiscard]] constexpr IorState lasting(IorState state, Tick now) {
   constexpr IorState kLongForgotten(1, false);  // who has forgotten anything is at tick 1 or later
-  return state.expiry() > now.value || !isFamiliar(state) ? state : kLongForgotten;
+  return isFamiliar(state, now) ? kLongForgotten : state;
 }
 
 /// Of two states the one that inhibits longer, a state without the flag not at all: what inner nodes hold.

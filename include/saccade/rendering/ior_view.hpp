@@ -36,7 +36,7 @@ struct IorView {
   double leaf_size_m = 0.0;         ///< edge of a finest leaf
   cv::Mat1f depth_m;                ///< where the ray enters the leaf, along the optical axis; 0 = hole
   cv::Mat1b inhibited;              ///< 255 where the leaf inhibits at `now`, else 0: the paper's I(x, y)
-  cv::Mat1b familiar;               ///< 255 where the leaf was attended at any time, else 0
+  cv::Mat1b familiar;               ///< 255 where the leaf was attended and is forgotten at `now`, else 0
   cv::Mat1i leaf_index;             ///< position in `leaves`, or kNoLeaf
   std::vector<VisibleLeaf> leaves;  ///< each seen leaf once, front to back by the octree's order
 

@@ -84,7 +84,7 @@ TEST(MergeMaps, KeepsTheLongerRemainingMemoryCountedFromTheMergedNow) {
   EXPECT_EQ(leafAt(merged, 0, 0, 0).ior, IorState(115, true));
   EXPECT_EQ(leafAt(merged, 3, 0, 0).ior, IorState(112, true));
   EXPECT_EQ(weight(leafAt(merged, 6, 0, 0).ior, merged.now()), 0U);
-  EXPECT_TRUE(isFamiliar(leafAt(merged, 6, 0, 0).ior)) << "it was attended once";
+  EXPECT_TRUE(isFamiliar(leafAt(merged, 6, 0, 0).ior, merged.now())) << "it was attended once";
 }
 
 TEST(MergeMaps, LiftsInhibitionWhereTheSceneChangedUnderIt) {

@@ -96,13 +96,17 @@ TEST(IorLaw, ForgottenMemoryEqualsNone) {
   EXPECT_EQ(IorState::fromBits(state.bits()), state);
 }
 
-TEST(IorLaw, AttendedLeafStaysFamiliarWhenItIsForgotten) {
-  EXPECT_FALSE(isFamiliar({}));
-  const IorState attended = attend({}, Tick{0}, {});
-  EXPECT_TRUE(isFamiliar(attended));
-  const Tick long_after{1000};
-  ASSERT_EQ(weight(attended, long_after), 0u);
-  EXPECT_TRUE(isFamiliar(lasting(attended, long_after)));
+TEST(IorLaw, AttendedLeafIsFamiliarFromWhenItIsForgottenUntilItIsAttendedAgain) {
+  const IorState never;
+  EXPECT_FALSE(isFamiliar(never, Tick{1000}));
+  const IorState attended = attend(never, Tick{0}, {});
+  EXPECT_TRUE(wasAttended(attended));
+  for (std::uint32_t now = 1; now < attended.expiry(); ++now) EXPECT_FALSE(isFamiliar(attended, Tick{now}));
+  for (const std::uint32_t now : {attended.expiry(), 1000u}) {
+    EXPECT_TRUE(isFamiliar(attended, Tick{now}));
+    EXPECT_TRUE(isFamiliar(lasting(attended, Tick{now}), Tick{now}));
+  }
+  EXPECT_FALSE(isFamiliar(attend(attended, Tick{1000}, {}), Tick{1001}));
 }
 
 TEST(IorLaw, OfForgottenMemoryItLastsThatThereWasSome) {

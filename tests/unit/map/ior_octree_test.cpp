@@ -142,7 +142,7 @@ TEST(IorOcTree, PruningKeepsLeavesThatDifferOnlyInMemoryUntilAllHaveForgotten) {
   tree.setNow(Tick{20});
   tree.prune();
   EXPECT_EQ(tree.size(), size - 8);
-  EXPECT_TRUE(isFamiliar(tree.search(octomap::OcTreeKey(32768, 32768, 32768))->ior()));
+  EXPECT_TRUE(wasAttended(tree.search(octomap::OcTreeKey(32768, 32768, 32768))->ior()));
 }
 
 TEST(IorOcTree, PruningKeepsApartWhatWasAttendedOnceAndWhatNeverWas) {
@@ -154,8 +154,8 @@ TEST(IorOcTree, PruningKeepsApartWhatWasAttendedOnceAndWhatNeverWas) {
   tree.findFinestLeaf({32768, 32768, 32768})->setIor(IorState(20, true));
   tree.setNow(Tick{1000});
   tree.prune();
-  EXPECT_TRUE(isFamiliar(tree.search(octomap::OcTreeKey(32768, 32768, 32768))->ior()));
-  EXPECT_FALSE(isFamiliar(tree.search(octomap::OcTreeKey(32769, 32768, 32768))->ior()));
+  EXPECT_TRUE(wasAttended(tree.search(octomap::OcTreeKey(32768, 32768, 32768))->ior()));
+  EXPECT_FALSE(wasAttended(tree.search(octomap::OcTreeKey(32769, 32768, 32768))->ior()));
 }
 
 TEST(IorOcTree, LeafThatTurnsFreeIsForgotten) {

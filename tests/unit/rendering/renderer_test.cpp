@@ -129,7 +129,7 @@ TEST(Renderer, ShowsWeightAndFlagOfTheLawAtTheMapsTick) {
                                                                                     : IorState();
         with_memory += state == IorState() ? 0 : 1;
         ASSERT_EQ(view.ior.inhibited(v, u), inhibited(state, {now}) ? 255 : 0);
-        ASSERT_EQ(view.ior.familiar(v, u), isFamiliar(state) ? 255 : 0);
+        ASSERT_EQ(view.ior.familiar(v, u), isFamiliar(state, {now}) ? 255 : 0);
         ASSERT_EQ(view.ior.weightAt(u, v), weight(state, {now}));
         ASSERT_EQ(view.weight(v, u), static_cast<int>(weight(state, {now})));
       }
