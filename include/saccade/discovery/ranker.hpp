@@ -78,8 +78,7 @@ class Ranker {
   /// attended, by `cover_power` after them, and by up to `inside_loss` if it lies inside one of them. There the list
   /// ends with the last score of `min_score` or more, unless `config.paper`. In frames with depth, candidates that it
   /// does not show (`has_depth`) weigh `unmeasured_weight`, and what was attended and is forgotten loses up to
-  /// `familiar_loss`,
-  /// unless `config.paper`.
+  /// `familiar_loss`, unless `config.paper`.
   [[nodiscard]] Candidates rank(Candidates open, const Perception& seen);
 
   /// rank(), cut to `k`.
